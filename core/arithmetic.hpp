@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/context.hpp"
+#include "core/overlay.hpp"
+#include "core/surface.hpp"
+#include "core/tin.hpp"
+
+namespace terrane {
+
+enum class Outside { keep, drop, zero };
+
+/// z_a + z_b (sign = +1) or z_a - z_b (sign = -1) on the overlap, exact everywhere because both are linear on every face of
+/// the overlay. Outside the overlap: drop nothing is returned; keep the lone surface at its own height (subtract: not
+/// offered); zero the missing one counts as height 0.
+Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const Assembly& assembly, Context& context);
+
+/// The surface with `level` added (a number as the second surface): every vertex moves, nothing else.
+Tin offset(Tin a, double level);
+
+}  // namespace terrane

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/surface.hpp"
+#include "core/tin.hpp"
+
+namespace terrane {
+
+enum class Overlap { first, last, min, max, mean, sum };
+
+struct MergeOptions {
+  Overlap overlap = Overlap::first;
+  Assembly assembly;
+};
+
+/// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
+/// Lengths, areas and heights in CRS units.
+struct SeamPair {
+  int a = 0, b = 0;       // indices of the tiles, a < b
+  bool overlap = false;   // false: they share only a border
+  double overlap_area_2d = 0;
+  double dz_mean = 0, dz_median = 0, dz_rmse = 0, dz_nmad = 0, dz_p95_abs = 0;  // area-weighted over the overlap
+  // Jumps left in the merged surface along the seam of this pair.
+  std::size_t jump_count = 0;
+  double jump_length_2d = 0, jump_max_abs = 0, jump_mean_abs = 0, jump_rmse = 0;  // means weighted by length
+  Point2 jump_max_at;
+  bool bias_suspected = false;  // |median| > 3 * nmad / sqrt(effective samples) and the overlap is not tiny
+  double wall_area = 0;
+};
+
+struct Merged {
+  Assembled surface;
+  std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
+};
+
+/// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max, mean
+/// and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share only a
+/// border it is made conforming. Islands are never connected. Empty tiles are the identity.
+/// Time grows with the tiles: faces far from the tile being added are not visited by its overlay.
+Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);
+
+}  // namespace terrane

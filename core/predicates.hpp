@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "core/tin.hpp"
+
+// Exact signs on input coordinates, and values good to a stated relative error.
+namespace terrane {
+
+/// The exact sign of the area of the triangle a b c by expansions; the slow path of `orientation`.
+int orientation_exact(Point2 a, Point2 b, Point2 c);
+
+/// +1 when a b c turn left, -1 right, 0 collinear: exact. Filter: Shewchuk (1997), bound A.
+inline int orientation(Point2 a, Point2 b, Point2 c) {
+  const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
+  const double bound = 3.3306690738754716e-16 * (std::fabs(l) + std::fabs(r));
+  if (d > bound) return 1;
+  if (d < -bound) return -1;
+  return orientation_exact(a, b, c);
+}
+
+/// Twice the signed area of a b c with the exact sign and a relative error below 1e-9.
+double area2_accurate(Point2 a, Point2 b, Point2 c);
+
+/// The sign of the in-circle test of d against the circle through a, b, c (counter-clockwise): +1 inside. Exact.
+int in_circle(Point2 a, Point2 b, Point2 c, Point2 d);
+
+}  // namespace terrane

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/context.hpp"
+#include "core/overlay.hpp"
+#include "core/tin.hpp"
+
+// From exact positions to doubles that are a valid mesh. Input vertices never move; a constructed vertex lands on its rounded
+// place; faces that rounding turned over are mended by local merges and flips, by kinetic moves where that is not enough.
+namespace terrane {
+
+/// Where a constructed vertex lies exactly.
+struct ExactPlace {
+  enum Kind { input, crossing, ratio } kind = input;
+  Point2 p, q;         // crossing: the line p q; ratio: from p to q
+  Point2 r, s;         // crossing: the line r s
+  double dp = 0, dq = 0;  // ratio: values of opposite sign at p and q; the place is where they interpolate to 0
+};
+
+/// The double place of an exact one, to about an ulp of its coordinates; coordinates that the lines hold constant are kept.
+Point2 rounded(const ExactPlace& place);
+
+/// A triangulated piece of the plane under repair.
+struct PlanarMesh {
+  std::vector<Point2> points;    // rounded places, as they will be returned
+  std::vector<Face> faces;       // positive at the exact places; a dead face has faces[f][0] == none
+  std::vector<Face> neighbours;  // neighbours[f][k]: the face across the edge opposite corner k, or none
+  std::vector<Index> labels;     // what a face belongs to; a flip hands the neighbour's label to both
+};
+
+/// Fills `neighbours` from `faces`. Each directed edge may occur once.
+void connect(PlanarMesh& mesh);
+
+/// Makes every face of the mesh strictly positive on its doubles. `place(v)` says where vertex v lies exactly
+/// (kind input: exactly at points[v]). Vertices may be merged and edges flipped: merged_into[v] tells where v went (v itself
+/// when it stayed), relabelled lists the live faces whose corners or label changed.
+/// Linear in the faces when nothing is wrong; about 100 us per vertex of a bad cluster otherwise.
+struct Rounded {
+  RoundingReport report;
+  std::vector<Index> merged_into;
+  std::vector<Index> relabelled;
+};
+Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context);
+
+}  // namespace terrane

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/context.hpp"
+#include "core/raster.hpp"
+#include "core/shade.hpp"
+#include "core/tin.hpp"
+#include "io/geodesy.hpp"
+
+// What a format is. The list of all formats is io/formats.cpp; adding one is one file and one line there.
+namespace terrane {
+
+/// What an input holds once decoded: a TIN or a raster, and the CRS its bytes declare (none when they do not).
+struct Dataset {
+  std::variant<Tin, Raster> surface;
+  Crs crs;
+};
+
+struct ReadOptions {
+  std::string name;                          // for messages: "t3.tif"
+  std::size_t max_vertices = 200'000'000;    // checked before memory is taken
+  std::size_t max_samples = 400'000'000;
+};
+
+struct WriteOptions {
+  std::string certificate_json;  // formats that can carry it do (Terrane JSON)
+  std::vector<std::pair<std::string, std::string>> extra;  // further comment lines (key, value) for formats with comments
+};
+
+struct Format {
+  std::string name;                     // the word of `format` and `f`: "obj"
+  std::vector<std::string> extensions;  // with dot, the first is the one we write: ".obj"
+  std::string media_type;               // "model/obj"
+  std::string description;              // one sentence for people
+
+  /// Decodes bytes. Bounded: never more memory than a small multiple of the bytes; throws Error{input} naming the element.
+  /// Null: we do not read this format.
+  std::function<Dataset(std::string_view bytes, const ReadOptions&, Context&)> read;
+  /// Encodes a TIN; the same bytes for the same value. Null: we do not write it.
+  std::function<std::string(const Tin&, const Crs&, const WriteOptions&, Context&)> write;
+  /// True when the first bytes can only be this format.
+  std::function<bool(std::string_view head)> sniff;
+};
+
+/// Every format, in the order of the documentation.
+const std::vector<Format>& formats();
+
+/// By `format` word; nullptr when there is none.
+const Format* format_named(std::string_view word);
+/// By media type (parameters after ';' ignored); nullptr when none. application/octet-stream is nobody's.
+const Format* format_of_media_type(std::string_view media_type);
+/// By the longest extension that matches the file name, case-insensitive.
+const Format* format_of_file(std::string_view file_name);
+/// By content.
+const Format* format_of_bytes(std::string_view head);
+
+/// A picture as PNG bytes.
+std::string write_png(const Picture& picture);
+
+}  // namespace terrane
