@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/context.hpp"
+#include "io/format.hpp"
+
+// What is asked and what comes back, the same for every door. bytes -> Request -> Plan -> Response.
+namespace terrane {
+
+struct Operation;
+
+/// One input as it arrived: bytes, or a number ("12.5", a level) where the operation takes one.
+struct InputPart {
+  std::string slot;        // which input of the operation: "minuend", "tiles"
+  std::string name;        // file name without folders, for messages and the certificate
+  std::string media_type;  // as declared, or empty
+  std::string bytes;
+};
+
+/// A request as a door understood it; nothing is checked yet.
+struct Request {
+  std::string operation;
+  std::vector<InputPart> inputs;                                // in the order given
+  std::vector<std::pair<std::string, std::string>> parameters;  // kebab-case name, text; a name may occur once
+  std::string format;            // `f` / `--format`; empty: let accept, output name or the operation's default decide
+  std::vector<std::string> accept;  // media types in order of preference; empty: anything
+  std::string output_name;       // "-o" on the command line, whose extension decides the format when `format` is empty
+};
+
+/// A request with every complaint made that can be made before an input is decoded: parameters parsed and in range,
+/// number of inputs, input formats known, output format chosen.
+struct Plan {
+  const Operation* operation = nullptr;
+  Request request;
+  nlohmann::json parameters;  // name -> parsed value, defaults filled in
+  std::string output_format;  // a word of io/formats, or "json"/"csv"/"png" of an operation whose result is no TIN
+};
+
+struct Response {
+  std::string media_type;
+  std::string file_name;   // "merge.obj", for Content-Disposition
+  std::string body;
+  nlohmann::json report;   // the certificate (or the volume report, ...); the same whatever the door
+  std::vector<Warning> warnings;
+};
+
+/// Throws Error{no_such_process | usage | unsupported | not_acceptable}.
+Plan plan(Request request);
+
+/// Decodes, brings to a common frame, runs, restores the CRS, verifies, encodes. Throws Error.
+Response execute(const Plan& plan, Context& context);
+
+}  // namespace terrane
