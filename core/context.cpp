@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/context.hpp"
+
+#include "core/error.hpp"
+
+namespace terrane {
+
+void Context::progress(std::string_view stage, double fraction) {
+  if (cancelled.load(std::memory_order_relaxed)) throw Error(ErrorKind::cancelled, "cancelled", "cancelled");
+  if (on_progress) on_progress(stage, fraction);
+}
+
+}  // namespace terrane
