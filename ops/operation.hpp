@@ -4,6 +4,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -35,26 +37,56 @@ struct InputSlot {
 /// A decoded input in the common frame, as an operation's run sees it.
 struct Surface {
   std::string slot, name, sha256;
-  std::variant<Tin, Raster, double> value;
+  std::variant<Tin, Raster, double> value;  // in `run` never a Raster: the frame has triangulated it
   Crs crs;
+  nlohmann::json source;  // what a raster was before it was triangulated, for `info`; null for a TIN
+  double max_error = 0;   // of the triangulation, measured over every sample in the result's CRS
+
+  bool level() const { return std::holds_alternative<double>(value); }
+  const Tin& tin() const { return std::get<Tin>(value); }
 };
 
 struct Outcome;  // what run returns: a TIN with its report parts, a picture, or a JSON report; ops/outcome.hpp
+
+/// What kind of thing an operation returns, which decides the formats it can have.
+enum class ResultKind { surface, report, table, picture };  // table: a report that can also be CSV
+
+/// How inputs are brought into the common frame before `run`.
+struct Intake {
+  bool check = true;         // mended and refused as the contract says; false: taken as it is (info, validate, convert)
+  bool join_rasters = false; // rasters on one lattice are joined before they are triangulated
+  bool empty_allowed = false;
+  bool raster_only = false;
+};
 
 struct Operation {
   std::string id, title, description;
   std::vector<InputSlot> inputs;
   std::vector<Parameter> parameters;  // its own; those of every operation are in common_parameters()
-  std::vector<std::string> output_formats;  // the first is the default
+  std::vector<std::string> output_formats;  // every format it can have; the first is the default
   std::function<Outcome(std::vector<Surface>& inputs, const nlohmann::json& parameters, Context&)> run;
+
+  ResultKind result = ResultKind::surface;
+  Intake intake;
+  /// Parameters and number of inputs that contradict each other. Throws Error{usage}. May be null.
+  std::function<void(const nlohmann::json& parameters, const std::vector<InputPart>& inputs)> check;
+  /// The kind of result where parameters change it (validate with repair); null: always `result`.
+  std::function<ResultKind(const nlohmann::json& parameters)> result_with;
+
+  ResultKind kind(const nlohmann::json& values) const { return result_with ? result_with(values) : result; }
 };
 
 /// Every operation, in the order of the documentation.
 const std::vector<Operation>& catalogue();
 /// Throws Error{no_such_process} listing what exists.
 const Operation& find_operation(std::string_view id);
-/// max-error, assume-crs, crs, target-crs, grid, format, threads, provenance.
+/// max-error, assume-crs, crs, target-crs, format, threads.
 const std::vector<Parameter>& common_parameters();
+
+/// The words of `format` that a kind of result can have, the default first.
+std::vector<std::string> formats_of(ResultKind kind);
+/// The media type of an output format word: a format's own, application/json, text/csv, image/png.
+std::string media_type_of(std::string_view format);
 
 /// The OGC API - Processes description of one operation, and its summary.
 nlohmann::json process_description(const Operation& operation);

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/overlay.hpp"
+#include "core/shade.hpp"
+#include "core/tin.hpp"
+
+namespace terrane {
+
+/// Heights that are possible at a place: one where the surface is smooth, a range at the foot of a wall.
+struct HeightRange {
+  double low = 0, high = 0;
+};
+
+/// What the result's height must be at a place, given the heights of the inputs there (none where an input has no
+/// surface): the operation written a second time, on single points, to check the mesh against. None: no surface.
+using HeightFold = std::function<std::optional<HeightRange>(const std::vector<std::optional<HeightRange>>& inputs)>;
+
+/// What an operation's run returns.
+struct Outcome {
+  std::variant<Tin, Picture, nlohmann::json> result;
+  std::string csv;                                  // the report as a table, where the operation has one
+  std::optional<RoundingReport> rounding;
+  HeightFold expected_height;                       // null: nothing to check heights against
+  std::optional<double> expected_area;              // of the result in plan, in squared CRS units
+  nlohmann::json certificate = nlohmann::json::object();  // joins the certificate: "seams"
+  bool verify = true;  // false: returned whatever its topology is (convert)
+};
+
+}  // namespace terrane
