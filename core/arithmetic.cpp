@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/arithmetic.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/error.hpp"
+
+namespace terrane {
+namespace {
+
+/// An order of surfaces by content alone, so that a + b and b + a take the same path.
+bool content_before(const Tin& a, const Tin& b) {
+  if (a.vertices.size() != b.vertices.size()) return a.vertices.size() < b.vertices.size();
+  if (a.faces.size() != b.faces.size()) return a.faces.size() < b.faces.size();
+  const auto before = [](const Point& p, const Point& q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); };
+  const auto differs = std::mismatch(a.vertices.begin(), a.vertices.end(), b.vertices.begin());
+  if (differs.first != a.vertices.end()) return before(*differs.first, *differs.second);
+  return a.faces < b.faces;
+}
+
+/// The folded surface without the faces that have no height.
+class Folder {
+ public:
+  Folder(const Overlay& overlay, int sign, Outside outside) : overlay_(overlay), sign_(sign), outside_(outside) {}
+
+  CornerSurface run() {
+    CornerSurface surface;
+    surface.points = overlay_.points;
+    for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) {
+      const bool both = overlay_.parents[f][0] != none && overlay_.parents[f][1] != none;
+      if (!both && outside_ == Outside::drop) continue;
+      surface.faces.push_back(overlay_.faces[f]);
+      for (int k = 0; k < 3; ++k) surface.z.push_back(height(f, k));
+    }
+    return surface;
+  }
+
+ private:
+  double height(Index f, int k) const {
+    const bool a = overlay_.parents[f][0] != none, b = overlay_.parents[f][1] != none;
+    if (a && b) return overlay_.height(0, f, k) + sign_ * overlay_.height(1, f, k);
+    if (a) return overlay_.height(0, f, k);
+    return outside_ == Outside::zero ? 0.0 + sign_ * overlay_.height(1, f, k) : overlay_.height(1, f, k);
+  }
+
+  const Overlay& overlay_;
+  int sign_;
+  Outside outside_;
+};
+
+}  // namespace
+
+Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const Assembly& assembly, Context& context) {
+  if (sign < 0 && outside == Outside::keep)
+    throw Error(ErrorKind::usage, "outside", "a difference has no height of its own outside the overlap; use drop or zero");
+  const bool swap = sign > 0 && content_before(b, a);
+  const Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
+  Assembled result = assemble(Folder(overlaid, sign, outside).run(), assembly, context);
+  accumulate(result.rounding, overlaid.rounding);
+  return result;
+}
+
+Tin offset(Tin a, double level) {
+  for (Point& p : a.vertices) p.z += level;
+  return a;
+}
+
+}  // namespace terrane

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "core/edge_cuts.hpp"
+#include "core/surface.hpp"
+
+namespace terrane {
+namespace {
+
+bool has_both(const Overlay& overlay, Index f) { return overlay.parents[f][0] != none && overlay.parents[f][1] != none; }
+
+double difference(const Overlay& overlay, Index f, int corner) {
+  return overlay.height(0, f, corner) - overlay.height(1, f, corner);
+}
+
+std::vector<EdgeCut> crossings(const Overlay& overlay) {
+  std::vector<EdgeCut> cuts;
+  for (Index f = 0; f < static_cast<Index>(overlay.faces.size()); ++f) {
+    if (!has_both(overlay, f)) continue;
+    const double d[3] = {difference(overlay, f, 0), difference(overlay, f, 1), difference(overlay, f, 2)};
+    for (int k = 0; k < 3; ++k) {
+      const double dp = d[(k + 1) % 3], dq = d[(k + 2) % 3];
+      if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) cuts.push_back({f, k, dp, dq});
+    }
+  }
+  return cuts;
+}
+
+/// Carries parents and heights of an overlay onto its cut faces.
+class Carrier {
+ public:
+  Carrier(const Overlay& before, const CutMesh& cut) : before_(before), cut_(cut) {
+    after_.points = cut.mesh.points;
+    after_.faces = cut.mesh.faces;
+    after_.per_corner = before.per_corner;
+    after_.rounding = before.rounding;
+    accumulate(after_.rounding, cut.rounded.report);
+    after_.rounding.regions = before.rounding.regions;
+    after_.rounding.collapsed = before.rounding.collapsed;
+    after_.parents.resize(after_.faces.size());
+    for (std::size_t f = 0; f < after_.faces.size(); ++f) after_.parents[f] = before.parents[cut.mesh.labels[f]];
+  }
+
+  Overlay run() {
+    for (int input : {0, 1}) carry(input);
+    equate();
+    return std::move(after_);
+  }
+
+ private:
+  double value(int input, std::size_t f, int corner) const {
+    const Index label = cut_.mesh.labels[f];
+    const double values[3] = {before_.height(input, label, 0), before_.height(input, label, 1),
+                              before_.height(input, label, 2)};
+    return value_on(cut_, before_.points, before_.faces[label], values, after_.faces[f][corner]);
+  }
+
+  void carry(int input) {
+    std::vector<double>& heights = after_.heights[input];
+    if (after_.per_corner[input]) {
+      heights.assign(3 * after_.faces.size(), 0);
+      for (std::size_t f = 0; f < after_.faces.size(); ++f)
+        if (after_.parents[f][input] != none)
+          for (int k = 0; k < 3; ++k) heights[3 * f + k] = value(input, f, k);
+      return;
+    }
+    heights = before_.heights[input];
+    heights.resize(after_.points.size(), 0);
+    std::vector<std::uint8_t> known(after_.points.size(), 0);
+    for (std::size_t f = 0; f < before_.faces.size(); ++f)
+      if (before_.parents[f][input] != none)
+        for (const Index v : before_.faces[f]) known[v] = 1;
+    for (std::size_t f = 0; f < after_.faces.size(); ++f) {
+      if (after_.parents[f][input] == none) continue;
+      for (int k = 0; k < 3; ++k) {
+        const Index v = after_.faces[f][k];
+        if (!known[v]) heights[v] = value(input, f, k);
+        known[v] = 1;
+      }
+    }
+  }
+
+  /// Both heights at a vertex made for a face are one double there; B's, unless only A can hold a height of its own per face.
+  /// The same where rounding moved such a vertex onto another: the line passes within rounding of that one.
+  void equate() {
+    std::vector<Index> lands_on(after_.points.size(), none);  // chain of cut vertices that ended at a point
+    std::vector<Index> next(cut_.made.size(), none);
+    for (std::size_t i = 0; i < cut_.made.size(); ++i) {
+      const Index w = cut_.rounded.merged_into[cut_.first_made + static_cast<Index>(i)];
+      next[i] = lands_on[w];
+      lands_on[w] = static_cast<Index>(i);
+    }
+    for (std::size_t f = 0; f < after_.faces.size(); ++f) {
+      if (!has_both(after_, static_cast<Index>(f))) continue;
+      for (int k = 0; k < 3; ++k)
+        for (Index i = lands_on[after_.faces[f][k]]; i != none; i = next[i])
+          if (owned(i, cut_.mesh.labels[f])) equate(f, k);
+    }
+  }
+
+  bool owned(Index i, Index label) const { return cut_.made[i].owners[0] == label || cut_.made[i].owners[1] == label; }
+
+  void equate(std::size_t f, int corner) {
+    const auto at = [&](int input) -> double& {
+      return after_.heights[input][after_.per_corner[input] ? 3 * f + corner : after_.faces[f][corner]];
+    };
+    if (after_.per_corner[0] && !after_.per_corner[1])
+      at(0) = at(1);
+    else
+      at(1) = at(0);
+  }
+
+  const Overlay& before_;
+  const CutMesh& cut_;
+  Overlay after_;
+};
+
+}  // namespace
+
+Overlay split_where_surfaces_cross(Overlay overlay, Context& context) {
+  const std::vector<EdgeCut> cuts = crossings(overlay);
+  if (cuts.empty()) return overlay;
+  PlanarMesh mesh{overlay.points, overlay.faces, {}, {}};
+  connect(mesh);
+  const CutMesh cut = cut_edges(std::move(mesh), cuts, Chords::between_own_cuts, context);
+  return Carrier(overlay, cut).run();
+}
+
+}  // namespace terrane
