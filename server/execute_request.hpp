@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ops/operation.hpp"
+#include "ops/request.hpp"
+#include "server/multipart.hpp"
+
+// From the two kinds of body to the one Request that every door makes.
+namespace terrane {
+
+/// What a body asks for: the request, and in which wrapping the result is wanted.
+struct Ask {
+  Request request;
+  bool as_document = false;  // OGC "response": "document"
+};
+
+/// Parts are inputs by name, in order; a part that is no input of the operation and has no file name, or that is one of
+/// its parameters, is a parameter. `f` and `format` choose the output format.
+Ask ask_from_form(const Operation& operation, std::vector<FormPart> parts);
+
+/// An OGC API - Processes execute request. Values of inputs: numbers (levels), text, inline objects (a TIN as Terrane
+/// JSON), qualified values {"value", "mediaType", "encoding": "base64", "name"}, arrays of those. Whatever else stands
+/// among `inputs` is a parameter; arrays of numbers and text become comma-separated lists, objects their text.
+/// Throws Error{usage}; what is not understood is refused, not ignored.
+Ask ask_from_json(const Operation& operation, std::string_view body);
+
+/// RFC 4648, padding demanded, blanks and line ends left out. `what` names it in messages. Throws Error{usage}.
+std::string decode_base64(std::string_view text, const std::string& what);
+std::string encode_base64(std::string_view bytes);
+
+}  // namespace terrane

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+
+// Requests and answers as plain values: what the rest of the room sees of HTTP. Only routes.cpp knows the library.
+namespace terrane {
+
+using TextPairs = std::vector<std::pair<std::string, std::string>>;
+
+/// A request whose header is read and whose body is not.
+struct Call {
+  std::string method;  // "HEAD" arrives as "GET"
+  std::string path;    // percent-decoded
+  TextPairs query;     // percent-decoded, in the order of the names
+  std::string host;    // as the client wrote it
+  std::string accept, content_type, content_encoding, content_length, transfer_encoding;
+  bool ambiguous_length = false;  // two lengths, or a length beside a transfer coding
+};
+
+struct Reply {
+  int status = 200;
+  std::string media_type;
+  TextPairs headers;
+  std::string body;
+};
+
+/// Hands the decoded body on piece by piece; the sink throws to stop. False: the transfer broke off or is malformed.
+using BodySource = std::function<bool(const std::function<void(std::string_view)>& sink)>;
+
+/// A refusal that belongs to HTTP alone (404 of a path, 405, 411, 415 ...), beside the Errors every door has.
+class HttpError : public std::runtime_error {
+ public:
+  HttpError(int status, std::string code, const std::string& message, TextPairs headers = {})
+      : std::runtime_error(message), status(status), code(std::move(code)), headers(std::move(headers)) {}
+  int status;
+  std::string code;
+  TextPairs headers;
+};
+
+Reply json_reply(const nlohmann::json& value);
+/// application/problem+json, RFC 7807. An exception that is neither HttpError nor Error says nothing of its text.
+Reply problem_reply(const std::exception& exception);
+
+/// "Not Found" for 404.
+std::string_view status_title(int status);
+
+/// The one value of a query parameter or none; throws HttpError 400 when it is given twice.
+std::optional<std::string> query_value(const Call& call, std::string_view name);
+
+/// The media types of an Accept header, most wanted first, those with q=0 left out; empty when anything will do.
+/// Throws HttpError 406 when the header refuses everything.
+std::vector<std::string> accepted_media_types(std::string_view accept);
+/// True when one of the ranges ("*/*", "image/*", "text/html") covers the media type, or there are none.
+bool is_accepted(const std::vector<std::string>& accepted, std::string_view media_type);
+
+/// Text for a quoted string in a header: printable ASCII, no quotes, no backslashes.
+std::string header_text(std::string_view text);
+
+}  // namespace terrane

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+// One JSON line per request on standard error, and the id that ties it to the client's own records.
+namespace terrane {
+
+struct LogLine {
+  std::string request_id, client, method, path;
+  int status = 0;
+  double seconds = 0;
+  std::size_t bytes_in = 0, bytes_out = 0;
+};
+
+/// Lines of different threads never mix. The query is not logged: it may hold data.
+void log_request(const LogLine& line);
+
+/// The client's id when it is 1 to 128 letters, digits, '.', '_', '-'; else a new one of 32 hexadecimal digits.
+std::string request_id(std::string_view from_client);
+
+}  // namespace terrane
