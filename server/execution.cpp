@@ -68,6 +68,16 @@ std::string result_name(const nlohmann::json& outputs) {
   return outputs.empty() ? "result" : outputs.begin().key();
 }
 
+/// When the service has to stop, a client that still waits is told to come back.
+Response execute_until_stopped(const Plan& plan, Context& context, const bool& client_is_gone) {
+  try {
+    return terrane::execute(plan, context);
+  } catch (const Error& error) {
+    if (error.kind != ErrorKind::cancelled || client_is_gone) throw;
+    throw Error(ErrorKind::busy, "stopping", "The service is being stopped before the work was done; send it again later.");
+  }
+}
+
 }  // namespace
 
 Ask Service::read_ask(const Operation& operation, const Call& call, const BodySource& body,
@@ -114,17 +124,18 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
 
   const Plan checked = plan(std::move(ask.request));
   Context context;
+  bool is_gone = false;
   context.on_progress = [&, last = Clock::now()](std::string_view, double) mutable {
     if (Clock::now() - last < std::chrono::milliseconds(200)) return;
     last = Clock::now();
-    if (client_is_gone()) context.cancelled = true;
+    if (client_is_gone()) context.cancelled = is_gone = true;
   };
   const std::string read_ms = milliseconds_since(start);
   const Clock::time_point queued = Clock::now();
   const Admission::Place place(admission_, context);
   const std::string wait_ms = milliseconds_since(queued);
   const Clock::time_point begun = Clock::now();
-  Reply reply = reply_of(operation, ask, terrane::execute(checked, context));
+  Reply reply = reply_of(operation, ask, execute_until_stopped(checked, context, is_gone));
   reply.headers.emplace_back("Server-Timing", "read;dur=" + read_ms + ", wait;dur=" + wait_ms +
                                                   ", work;dur=" + milliseconds_since(begun));
   return reply;

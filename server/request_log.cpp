@@ -29,10 +29,11 @@ std::string utc_now() {
 }  // namespace
 
 void log_request(const LogLine& line) {
-  const nlohmann::ordered_json value = {
+  nlohmann::ordered_json value = {
       {"time", utc_now()},       {"request_id", line.request_id}, {"client", line.client},
       {"method", line.method},   {"path", line.path.substr(0, 1024)}, {"status", line.status},
       {"seconds", line.seconds}, {"bytes_in", line.bytes_in},     {"bytes_out", line.bytes_out}};
+  if (!line.failure.empty()) value["failure"] = line.failure;
   const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
   // One call: the stream's lock keeps the line whole.
   std::fwrite(text.data(), 1, text.size(), stderr);

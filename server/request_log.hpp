@@ -13,6 +13,7 @@ struct LogLine {
   int status = 0;
   double seconds = 0;
   std::size_t bytes_in = 0, bytes_out = 0;
+  std::string failure;  // the cause of an answer from 500 on
 };
 
 /// Lines of different threads never mix. The query is not logged: it may hold data.

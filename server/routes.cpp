@@ -24,13 +24,16 @@ constexpr int requests_per_connection = 10'000;
 /// What belongs to one request on one connection. A connection is served by one thread from end to end, and the library
 /// tells its handlers nothing of the connection, so they find it by the thread.
 struct Exchange {
+  explicit Exchange(Connection& connection) : connection(connection) {}
+
   Connection& connection;
   Call call;
   std::string id;
-  Connection::Clock::time_point start;
+  Connection::Clock::time_point start = Connection::Clock::now();
   bool has_header = false;  // the library understood the request line and the header
   bool has_body = false, body_is_read = false;
   std::size_t bytes_in = 0;
+  std::string failure;  // what the client is not told, for the log
   bool must_close() const { return !has_header || (has_body && !body_is_read); }
 };
 thread_local Exchange* current = nullptr;
@@ -72,7 +75,9 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   for (auto [at, end] = request.headers.equal_range("Accept"); at != end; ++at) {
     call.accept += (call.accept.empty() ? "" : ",") + at->second;
   }
-  exchange.has_body = codings > 0 || (lengths > 0 && call.content_length != "0");
+  // A POST that says nothing of its body may send one all the same.
+  const bool unsaid = lengths + codings == 0 && (call.method == "POST" || call.method == "PUT" || call.method == "PATCH");
+  exchange.has_body = codings > 0 || unsaid || (lengths > 0 && call.content_length != "0");
   exchange.id = request_id(request.get_header_value("X-Request-Id"));
   // Its multipart parser has no limits, its ranges no bounds.
   request.headers.erase("Content-Type");
@@ -86,6 +91,11 @@ void fill(httplib::Response& response, Reply&& reply) {
   response.body = std::move(reply.body);
 }
 
+void fill_problem(httplib::Response& response, const std::exception& exception) {
+  fill(response, problem_reply(exception));
+  if (response.status >= 500) current->failure = exception.what();
+}
+
 /// Everything before the body: true when the answer is there.
 bool answer_header(Service& service, httplib::Response& response) {
   try {
@@ -94,12 +104,12 @@ bool answer_header(Service& service, httplib::Response& response) {
     if (!reply) return false;
     fill(response, std::move(*reply));
   } catch (const std::exception& exception) {
-    fill(response, problem_reply(exception));
+    fill_problem(response, exception);
   }
   return true;
 }
 
-void execute(Service& service, httplib::Response& response, const httplib::ContentReader& reader) {
+void read_and_execute(Service& service, httplib::Response& response, const httplib::ContentReader& reader) {
   Exchange& exchange = *current;
   const BodySource body = [&](const std::function<void(std::string_view)>& sink) {
     const bool complete = reader([&](const char* data, size_t size) {
@@ -113,7 +123,7 @@ void execute(Service& service, httplib::Response& response, const httplib::Conte
   try {
     fill(response, service.execute(exchange.call, body, [&] { return exchange.connection.peer_is_gone(); }));
   } catch (const std::exception& exception) {
-    fill(response, problem_reply(exception));
+    fill_problem(response, exception);
   }
 }
 
@@ -145,7 +155,7 @@ void finish_headers(httplib::Response& response) {
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - current->start).count();
   log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status, seconds,
-               current->bytes_in, request.method == "HEAD" ? 0 : response.body.size()});
+               current->bytes_in, request.method == "HEAD" ? 0 : response.body.size(), current->failure});
 }
 
 }  // namespace
@@ -170,12 +180,12 @@ struct HttpServer::Library : httplib::Server {
     });
     Post("/processes/[^/]+/execution", [this](const httplib::Request&, httplib::Response& response,
                                               const httplib::ContentReader& reader) {
-      terrane::execute(this->service, response, reader);
+      read_and_execute(this->service, response, reader);
     });
-    set_error_handler([](const httplib::Request&, httplib::Response& response) {
+    set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& response) {
       explain(response);
       return HandlerResponse::Handled;
-    });
+    }));
     set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
       fill(response, problem_reply(std::runtime_error("")));
     });
@@ -189,7 +199,7 @@ struct HttpServer::Library : httplib::Server {
     bool must_close = false;
     for (int served = 0; served < requests_per_connection && !must_close; ++served) {
       if (!connection.wait_for_request(stopping)) break;
-      Exchange exchange{connection, {}, "", Connection::Clock::now()};
+      Exchange exchange(connection);
       current = &exchange;
       connection.begin_header();
       bool client_closes = false;
@@ -222,7 +232,7 @@ int HttpServer::bind(const std::string& host, int port) {
               "Cannot listen on " + place + "; --host must be an address of this machine, and the port one we may use.");
 }
 
-void HttpServer::run() { library_->listen_after_bind(); }
+bool HttpServer::run() { return library_->listen_after_bind(); }
 
 void HttpServer::stop() {
   library_->stopping = true;

@@ -18,8 +18,8 @@ class HttpServer {
   /// Takes the address, port 0 for any free one, and returns the port. Connections wait from here on. Throws
   /// Error{usage}: "port-in-use" when another program has it (it is never shared), else "cannot-listen".
   int bind(const std::string& host, int port);
-  /// Serves until stop() was called and the requests in flight are answered.
-  void run();
+  /// Serves until stop() was called and the requests in flight are answered; false when the socket failed before that.
+  bool run();
   /// No new connections, no further requests on those that are open. From any thread, once.
   void stop();
 

@@ -88,10 +88,11 @@ int serve(const ServeOptions& options) {
 
   std::atomic<bool> finished = false;
   std::thread watcher([&] { watch_signals(server, service, finished); });
-  server.run();
+  const bool clean = server.run();
   finished = true;
   watcher.join();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (!clean) throw Error(ErrorKind::internal, "socket-failed", "The listening socket failed.");
   return 0;
 }
 
