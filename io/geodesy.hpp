@@ -39,8 +39,10 @@ class Crs {
   /// Equality of the plan part: same coordinates mean the same place. (Vertical datums are compared apart.)
   bool same_plan(const Crs& other) const;
 
+  struct Impl;  // io/geodesy_osr.hpp, for the files of this room
+  const Impl& inside() const { return *impl_; }
+
  private:
-  struct Impl;
   std::shared_ptr<const Impl> impl_;
 };
 

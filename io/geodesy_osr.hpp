@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cpl_error.h>
+#include <ogr_spatialref.h>
+
+#include "io/geodesy.hpp"
+
+// What the files of the geodesy room share. Nobody else includes this.
+namespace terrane {
+
+/// What is known of a CRS, as plain values: GDAL's own objects are not safe to share between threads, so every call that
+/// needs one makes it anew from `definition`.
+struct Crs::Impl {
+  std::string definition;             // what OSR makes the CRS from: "EPSG:25831+5773" or WKT; empty for a local frame
+  std::string horizontal_definition;  // the same without the vertical part
+  std::string id, name, wkt, wkt1;
+  std::string horizontal_wkt;
+  bool geographic = false, local = false, ellipsoidal_heights = false;
+  std::string vertical_datum = "unknown", length_unit = "m", height_unit = "m";
+  double metres_per_length_unit = 1, metres_per_height_unit = 1;
+  double semi_major = 6378137, inverse_flattening = 298.257223563;  // of the datum; 0: a sphere
+
+  static std::shared_ptr<const Impl> local_frame(std::string_view unit);
+  static std::shared_ptr<const Impl> of(OGRSpatialReference srs);
+};
+
+/// What GDAL and PROJ say while this lives goes nowhere: their texts may hold bytes of an input.
+struct Quiet {
+  Quiet() { CPLPushErrorHandler(CPLQuietErrorHandler); }
+  ~Quiet() {
+    CPLPopErrorHandler();
+    CPLErrorReset();
+  }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+};
+
+/// The CRS of a definition, x first. Network access is off. Throws Error{internal} for what Crs::parse let through in vain.
+OGRSpatialReference osr(const std::string& definition);
+
+using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
+
+/// Null when there is none. `ballpark`: accept an unknown datum shift as none at all; only where a rough place is enough.
+Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat,
+                                   bool ballpark);
+
+/// The box in degrees on the CRS's own datum; all zero when it has no place there. Around 0 to 360 wide; may pass 180.
+Box lon_lat_box(const Crs& crs, const Box& box);
+
+/// Names of the grids that every known way from one to the other needs and that are not installed.
+std::vector<std::string> missing_grids(const Crs& from, const Crs& to);
+
+}  // namespace terrane
