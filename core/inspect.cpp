@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
+#include "core/predicates.hpp"
 #include "core/sum.hpp"
 #include "core/topology.hpp"
 #include "core/validate.hpp"
@@ -10,46 +12,72 @@
 namespace terrane {
 namespace {
 
-/// The parts of the domain that hang together over shared edges.
-std::size_t count_components(const PlanTopology& topology) {
-  const auto n = static_cast<Index>(topology.turn.size());
-  std::vector<Index> root(n);
+/// The parts of the domain that hang together over shared edges: per face the lowest face of its part.
+std::vector<Index> components_of(const PlanTopology& topology) {
+  std::vector<Index> root(topology.turn.size());
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](Index f) {
     while (root[f] != f) f = root[f] = root[root[f]];
     return f;
   };
-  std::size_t components = 0;
-  for (Index f = 0; f < n; ++f) components += topology.in_plan(f);
   for (Index h = 0; h < static_cast<Index>(topology.mate.size()); ++h) {
     if (topology.mate[h] <= h) continue;
     const Index a = find(h / 3), b = find(topology.mate[h] / 3);
-    if (a == b) continue;
-    root[std::max(a, b)] = std::min(a, b);
-    --components;
+    if (a != b) root[std::max(a, b)] = std::min(a, b);
   }
-  return components;
+  for (Index& r : root) r = root[r];  // parents come before their children
+  return root;
 }
 
-/// The closed curves of the border. Where it touches itself the curve stays with its faces, so that each component has
-/// exactly one outer curve and every other is a hole.
-std::size_t count_loops(const PlanTopology& topology) {
-  std::vector<bool> seen(topology.border.size(), false);
-  const auto number = [&](Index h) {
-    return std::lower_bound(topology.border.begin(), topology.border.end(), h) - topology.border.begin();
-  };
-  std::size_t loops = 0;
-  for (const Index start : topology.border) {
-    if (seen[number(start)]) continue;
-    ++loops;
-    for (Index h = start; !seen[number(h)];) {
-      seen[number(h)] = true;
-      h = topology.next(h);
-      while (topology.mate[h] >= 0) h = topology.next(topology.mate[h]);
-    }
+/// Follows the border of each component around the voids beside it, so that rings that touch in a point stay apart, as in
+/// a polygon of the simple feature model.
+class BorderRings {
+ public:
+  BorderRings(const Tin& tin, const PlanTopology& topology, const std::vector<Index>& component)
+      : tin_(tin), topology_(topology), component_(component) {
+    for (std::size_t i = 0; i < topology.border.size(); ++i) leaving_.push_back({from(topology.border[i]), static_cast<Index>(i)});
+    std::sort(leaving_.begin(), leaving_.end());
   }
-  return loops;
-}
+
+  std::size_t count() const {
+    std::vector<bool> seen(topology_.border.size(), false);
+    std::size_t rings = 0;
+    for (Index start = 0; start < static_cast<Index>(seen.size()); ++start) {
+      rings += !seen[start];
+      for (Index i = start; i != none && !seen[i]; i = next(i)) seen[i] = true;
+    }
+    return rings;
+  }
+
+ private:
+  Index from(Index h) const { return topology_.place[topology_.from(tin_, h)]; }
+  Index to(Index h) const { return topology_.place[topology_.to(tin_, h)]; }
+  Point2 at(Index place) const { return plan(tin_.vertices[place]); }
+
+  /// Of the border edges that leave where edge i arrives: the first one counter-clockwise, on the far side of the void.
+  Index next(Index i) const {
+    const Index h = topology_.border[i], here = to(h);
+    Index best = none;
+    for (auto out = std::lower_bound(leaving_.begin(), leaving_.end(), std::pair(here, Index{0}));
+         out != leaving_.end() && out->first == here; ++out) {
+      const Index other = topology_.border[out->second];
+      if (component_[other / 3] != component_[h / 3]) continue;
+      if (best == none || sooner(at(here), at(from(h)), at(to(other)), at(to(topology_.border[best])))) best = out->second;
+    }
+    return best;
+  }
+
+  /// Does the ray from o through p come before the one through q, counter-clockwise from the ray through back?
+  static bool sooner(Point2 o, Point2 back, Point2 p, Point2 q) {
+    const bool beyond_p = orientation(o, back, p) < 0, beyond_q = orientation(o, back, q) < 0;  // more than half a turn away
+    return beyond_p != beyond_q ? beyond_q : orientation(o, p, q) > 0;
+  }
+
+  const Tin& tin_;
+  const PlanTopology& topology_;
+  const std::vector<Index>& component_;
+  std::vector<std::pair<Index, Index>> leaving_;  // (place, which border edge leaves it)
+};
 
 void measure(const Tin& tin, const PlanTopology& topology, Inspection& result) {
   Sum area_2d, area_3d;
@@ -87,9 +115,10 @@ Inspection inspect(const Tin& tin) {
   const BorderReport border = examine_border(tin, topology, 0);
   result.t_junctions = border.touches.size();
   result.overlaps = border.crossings + border.doubled_regions;
-  result.components = count_components(topology);
-  const std::size_t loops = count_loops(topology);
-  result.holes = loops - std::min(result.components, loops);
+  const std::vector<Index> component = components_of(topology);
+  for (Index f = 0; f < static_cast<Index>(component.size()); ++f) result.components += topology.in_plan(f) && component[f] == f;
+  const std::size_t rings = BorderRings(tin, topology, component).count();
+  result.holes = rings - std::min(result.components, rings);
   measure(tin, topology, result);
   return result;
 }

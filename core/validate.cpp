@@ -120,12 +120,13 @@ void Audit::weld() {
 }
 
 void Audit::look_at_faces() {
-  for (Index f = 0; f < static_cast<Index>(tin_.faces.size()); ++f) {
+  const auto n = static_cast<Index>(tin_.faces.size());
+  for (Index f = 0; f < n; ++f)
     if (topology_.turn[f] == Turn::flat)
       note(mended_, mending_.zero_area_faces++, "zero-area-face", name_of("face", f), "has no area");
+  for (Index f = 0; f < n; ++f)
     if (topology_.turn[f] == Turn::right)
       note(mended_, mending_.clockwise_faces++, "clockwise-face", name_of("face", f), "is clockwise seen from above");
-  }
 }
 
 /// Equal faces crowd an edge or are walls, so only those are compared.
@@ -179,9 +180,9 @@ void Audit::find_crowded_edges() {
     std::string list;
     for (std::size_t i = 0; i < users.size() && i < 8; ++i) list += (i ? ", " : "") + std::to_string(users[i]);
     if (users.size() > 8) list += ", ...";
+    const std::string use = users.size() > 2 ? " is used by " + std::to_string(users.size()) + " faces: " : " has two faces on one side: ";
     fatal_.push_back({"non-manifold-edge", "edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]),
-                      "from " + place_of(edge[0]) + " to " + place_of(edge[1]) + " is used by " + std::to_string(users.size()) +
-                          " faces, or by two on one side: faces " + list});
+                      "from " + place_of(edge[0]) + " to " + place_of(edge[1]) + use + list});
   }
 }
 
