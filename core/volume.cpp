@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume.hpp"
+
+#include <algorithm>
+
+#include "core/area_weights.hpp"
+#include "core/sum.hpp"
+#include "core/volume_sum.hpp"
+
+namespace terrane {
+namespace {
+
+constexpr std::size_t faces_per_report = 65536;
+
+void report(Context& context, std::size_t done, std::size_t all) {
+  if (done % faces_per_report == 0) context.progress("volume", static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all, 1)));
+}
+
+Box around(const std::vector<Point2>& points) {
+  if (points.empty()) return {0, 0, 0, 0};
+  Box box = {points[0].x, points[0].y, points[0].x, points[0].y};
+  for (const Point2 p : points) {
+    box.xmin = std::min(box.xmin, p.x), box.xmax = std::max(box.xmax, p.x);
+    box.ymin = std::min(box.ymin, p.y), box.ymax = std::max(box.ymax, p.y);
+  }
+  return box;
+}
+
+std::array<Point2, 3> corners(const Tin& tin, const Face& f) {
+  return {plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]])};
+}
+
+std::array<double, 3> heights(const Tin& tin, const Face& f) {
+  return {tin.vertices[f[0]].z, tin.vertices[f[1]].z, tin.vertices[f[2]].z};
+}
+
+/// The integral of value(face, corner weights) over the faces that are no walls.
+template <class Value>
+double sum_over_faces(const Tin& tin, const AreaScale& scale, Value value) {
+  const AreaWeights weights(scale, bounds(tin));
+  Sum sum;
+  for (const Face& face : tin.faces) {
+    if (is_wall(tin, face)) continue;
+    const auto p = corners(tin, face);
+    const double area = 0.5 * ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
+    sum.add(value(face, weights(p, area)));
+  }
+  return sum.value();
+}
+
+}  // namespace
+
+Volume volume(const Tin& surface, const Tin& reference, double tolerance, const AreaScale& scale, Context& context) {
+  const Overlay both = overlay(surface, reference, {}, context);
+  const AreaWeights weights(scale, around(both.points));
+  VolumeSum sum(weights, tolerance);
+  for (std::size_t i = 0; i < both.faces.size(); ++i) {
+    report(context, i, both.faces.size());
+    const auto f = static_cast<Index>(i);
+    const Face& face = both.faces[i];
+    const std::array<Point2, 3> p = {both.points[face[0]], both.points[face[1]], both.points[face[2]]};
+    const auto [of_surface, of_reference] = both.parents[i];
+    const auto z = [&](int input) {
+      return std::array<double, 3>{both.height(input, f, 0), both.height(input, f, 1), both.height(input, f, 2)};
+    };
+    if (of_surface != none && of_reference != none) sum.add(p, z(0), z(1));
+    else if (of_surface != none) sum.add_surface_only(p);
+    else if (of_reference != none) sum.add_reference_only(p);
+  }
+  return sum.result();
+}
+
+Volume volume(const Tin& surface, double level, double tolerance, const AreaScale& scale, Context& context) {
+  const AreaWeights weights(scale, bounds(surface));
+  VolumeSum sum(weights, tolerance);
+  for (std::size_t i = 0; i < surface.faces.size(); ++i) {
+    report(context, i, surface.faces.size());
+    const Face& face = surface.faces[i];
+    if (!is_wall(surface, face)) sum.add(corners(surface, face), heights(surface, face), {level, level, level});
+  }
+  return sum.result();
+}
+
+double integral(const Tin& tin, const AreaScale& scale) {
+  return sum_over_faces(tin, scale, [&](const Face& face, const std::array<double, 3>& w) {
+    const auto z = heights(tin, face);
+    return w[0] * z[0] + w[1] * z[1] + w[2] * z[2];
+  });
+}
+
+double area(const Tin& tin, const AreaScale& scale) {
+  return sum_over_faces(tin, scale, [](const Face&, const std::array<double, 3>& w) { return w[0] + w[1] + w[2]; });
+}
+
+}  // namespace terrane
