@@ -20,7 +20,7 @@ inline int orientation(Point2 a, Point2 b, Point2 c) {
   return orientation_exact(a, b, c);
 }
 
-/// Twice the signed area of a b c with the exact sign and a relative error below 1e-9.
+/// Twice the signed area of a b c with the exact sign (0 only when collinear) and a relative error below 1e-13.
 double area2_accurate(Point2 a, Point2 b, Point2 c);
 
 /// The sign of the in-circle test of d against the circle through a, b, c (counter-clockwise): +1 inside. Exact.

@@ -23,6 +23,9 @@ struct ExactPlace {
 /// The double place of an exact one, to about an ulp of its coordinates; coordinates that the lines hold constant are kept.
 Point2 rounded(const ExactPlace& place);
 
+/// An upper bound of |rounded(place) - place|.
+double rounding_bound(const ExactPlace& place);
+
 /// A triangulated piece of the plane under repair.
 struct PlanarMesh {
   std::vector<Point2> points;    // rounded places, as they will be returned
@@ -43,6 +46,12 @@ struct Rounded {
   std::vector<Index> merged_into;
   std::vector<Index> relabelled;
 };
-Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context);
+/// Promises: every live face is strictly positive by exact predicates on the returned doubles; input vertices are where they
+/// were; the order of the steps depends on the numbers of vertices and faces only.
+/// `distance(label, p)`, when given, says how far p lies from what the label stands for: flips are accepted while it stays
+/// within 3 * the largest move, else the slower way is taken; the largest is report.max_spill.
+/// Throws Error{input, "rounding"} naming the place when some face cannot be made positive.
+Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
+                         const std::function<double(Index label, Point2)>& distance = {});
 
 }  // namespace terrane

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/predicates.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+#include <algorithm>
+#include <limits>
+
+namespace terrane {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Rational = CGAL::Exact_rational;
+
+Kernel::Point_2 cgal(Point2 p) { return {p.x, p.y}; }
+
+/// The rounding error of x = a - b (Knuth).
+double difference_tail(double a, double b, double x) {
+  const double bv = a - x, av = x + bv;
+  return (a - av) + (bv - b);
+}
+
+/// The rounding error of x = a * b (Dekker); no fused multiply-add, which would be a library call on plain x86-64.
+double product_tail(double a, double b, double x) {
+  constexpr double splitter = 134217729.0;  // 2^27 + 1
+  const double ca = splitter * a, ah = ca - (ca - a), al = a - ah;
+  const double cb = splitter * b, bh = cb - (cb - b), bl = b - bh;
+  return al * bl - (((x - ah * bh) - al * bh) - ah * bl);
+}
+
+}  // namespace
+
+int orientation_exact(Point2 a, Point2 b, Point2 c) {
+  // Coordinates on a lattice or near each other subtract exactly; then two exact products decide, and exact zeros, which
+  // grids are full of, cost nanoseconds instead of a rational.
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
+  if (difference_tail(b.x, a.x, ux) == 0 && difference_tail(b.y, a.y, uy) == 0 && difference_tail(c.x, a.x, vx) == 0 &&
+      difference_tail(c.y, a.y, vy) == 0) {
+    const double l = ux * vy, r = uy * vx;
+    const double size = std::max(std::fabs(l), std::fabs(r));
+    const bool l_sound = l == 0 ? (ux == 0 || vy == 0) : std::fabs(l) > 1e-280;
+    const bool r_sound = r == 0 ? (uy == 0 || vx == 0) : std::fabs(r) > 1e-280;
+    if (l_sound && r_sound && size < 1e280) {
+      if (l != r) return l > r ? 1 : -1;
+      const double lt = l == 0 ? 0 : product_tail(ux, vy, l), rt = r == 0 ? 0 : product_tail(uy, vx, r);
+      return lt > rt ? 1 : lt < rt ? -1 : 0;
+    }
+  }
+  return static_cast<int>(CGAL::orientation(cgal(a), cgal(b), cgal(c)));
+}
+
+double area2_accurate(Point2 a, Point2 b, Point2 c) {
+  const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
+  if (std::fabs(d) > 4e-3 * (std::fabs(l) + std::fabs(r)) && std::fabs(d) > 1e-280) return d;
+  const int sign = orientation_exact(a, b, c);
+  if (sign == 0) return 0;
+  using Quad = __float128;
+  const Quad ql = (Quad(b.x) - a.x) * (Quad(c.y) - a.y), qr = (Quad(b.y) - a.y) * (Quad(c.x) - a.x), qd = ql - qr;
+  const Quad size = (ql < 0 ? -ql : ql) + (qr < 0 ? -qr : qr), magnitude = qd < 0 ? -qd : qd;
+  if (magnitude > size * Quad(1e-20) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
+  const Rational e = (Rational(b.x) - Rational(a.x)) * (Rational(c.y) - Rational(a.y)) -
+                     (Rational(b.y) - Rational(a.y)) * (Rational(c.x) - Rational(a.x));
+  const double value = CGAL::to_double(e);
+  return value != 0 ? value : sign * std::numeric_limits<double>::denorm_min();
+}
+
+int in_circle(Point2 a, Point2 b, Point2 c, Point2 d) {
+  const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
+  const double bc = bx * cy, cb = cx * by, ca = cx * ay, ac = ax * cy, ab = ax * by, ba = bx * ay;
+  const double la = ax * ax + ay * ay, lb = bx * bx + by * by, lc = cx * cx + cy * cy;
+  const double det = la * (bc - cb) + lb * (ca - ac) + lc * (ab - ba);
+  const double size = la * (std::fabs(bc) + std::fabs(cb)) + lb * (std::fabs(ca) + std::fabs(ac)) +
+                      lc * (std::fabs(ab) + std::fabs(ba));
+  const double bound = 1.1102230246251577e-15 * size;  // Shewchuk (1997), in-circle bound A
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  return static_cast<int>(CGAL::side_of_oriented_circle(cgal(a), cgal(b), cgal(c), cgal(d)));
+}
+
+}  // namespace terrane

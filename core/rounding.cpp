@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/rounding.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.hpp"
+#include "core/kinetic.hpp"
+#include "core/mender.hpp"
+#include "core/predicates.hpp"
+
+namespace terrane {
+namespace {
+
+int sign_of(const PlanarMesh& mesh, Index f) {
+  const Face& c = mesh.faces[f];
+  return orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
+}
+
+std::vector<Index> bad_faces(const PlanarMesh& mesh) {
+  std::vector<Index> bad;
+  for (Index f = 0; f < static_cast<Index>(mesh.faces.size()); ++f)
+    if (mesh.faces[f][0] != none && sign_of(mesh, f) <= 0) bad.push_back(f);
+  return bad;
+}
+
+/// The first, fast step: per cluster of bad faces merge vertices with equal doubles and flip the edge opposite the middle
+/// vertex; taken back as a whole when the cluster does not come out valid and near its parents.
+class Greedy {
+ public:
+  Greedy(Mender& mender, const std::function<ExactPlace(Index)>& place, const std::function<double(Index, Point2)>& distance,
+         double bound)
+      : mender_(mender), place_(place), distance_(distance), bound_(bound) {}
+
+  void run(const std::vector<Index>& bad) {
+    std::vector<bool> seen(mender_.mesh().faces.size());
+    for (Index f : bad) {
+      if (seen[f] || !mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
+      const std::vector<Index> cluster = collect(f, seen);
+      const std::size_t mark = mender_.mark();
+      const Index flips = mender_.flips;
+      if (!mend(cluster, mark)) {
+        mender_.undo(mark);
+        mender_.flips = flips;
+      }
+    }
+  }
+
+ private:
+  std::vector<Index> collect(Index start, std::vector<bool>& seen) {
+    std::vector<Index> cluster{start};
+    seen[start] = true;
+    for (std::size_t i = 0; i < cluster.size(); ++i)
+      for (Index g : mender_.mesh().neighbours[cluster[i]])
+        if (g != none && !seen[g] && sign_of(mender_.mesh(), g) <= 0) {
+          seen[g] = true;
+          cluster.push_back(g);
+        }
+    return cluster;
+  }
+
+  bool mend(std::vector<Index> todo, std::size_t mark) {
+    std::size_t budget = 20 * todo.size() + 40;
+    while (!todo.empty()) {
+      if (budget-- == 0) return false;
+      const Index f = todo.back();
+      todo.pop_back();
+      if (!mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
+      const std::size_t before = mender_.mark();
+      if (!merge_equal(f) && !flip_middle(f)) return false;
+      mender_.changed(before, todo);
+    }
+    if (!distance_) return true;
+    std::vector<Index> changed;
+    mender_.changed(mark, changed);
+    for (Index f : changed)
+      if (mender_.alive(f))
+        for (Index v : mender_.mesh().faces[f])
+          if (distance_(mender_.mesh().labels[f], mender_.mesh().points[v]) > bound_) return false;
+    return true;
+  }
+
+  bool merge_equal(Index f) {
+    const PlanarMesh& mesh = mender_.mesh();
+    for (int k = 0; k < 3; ++k) {
+      const Index p = mesh.faces[f][(k + 1) % 3], q = mesh.faces[f][(k + 2) % 3];
+      if (!(mesh.points[p] == mesh.points[q])) continue;
+      const bool p_fixed = place_(p).kind == ExactPlace::input, q_fixed = place_(q).kind == ExactPlace::input;
+      if (p_fixed && q_fixed) continue;
+      if (mender_.merge(f, k, p_fixed ? p : q_fixed ? q : std::min(p, q))) return true;
+    }
+    return false;
+  }
+
+  /// The middle vertex of a flat or turned-over face lies between the ends of the edge opposite it, or beyond it.
+  bool flip_middle(Index f) {
+    const PlanarMesh& mesh = mender_.mesh();
+    int longest = 0;
+    double length = -1;
+    for (int k = 0; k < 3; ++k) {
+      const Point2 p = mesh.points[mesh.faces[f][(k + 1) % 3]], q = mesh.points[mesh.faces[f][(k + 2) % 3]];
+      const double l = std::hypot(q.x - p.x, q.y - p.y);
+      if (l > length) length = l, longest = k;
+    }
+    Mender::Quad quad;
+    if (!mender_.quad(f, longest, quad)) return false;
+    const auto positive = [&](Index a, Index b, Index c) {
+      return orientation(mesh.points[a], mesh.points[b], mesh.points[c]) > 0;
+    };
+    if (!positive(quad.u, quad.p, quad.w) || !positive(quad.u, quad.w, quad.q)) return false;
+    mender_.flip(f, longest, quad);
+    return true;
+  }
+
+  Mender& mender_;
+  const std::function<ExactPlace(Index)>& place_;
+  const std::function<double(Index, Point2)>& distance_;
+  double bound_;
+};
+
+}  // namespace
+
+Point2 rounded(const ExactPlace& place) {
+  Point2 from = place.r, to = place.s;
+  double near_from, near_to;  // the distances from the ends, in some unit: accurate, of one sign
+  if (place.kind == ExactPlace::ratio) {
+    from = place.p, to = place.q;
+    near_from = std::fabs(place.dp), near_to = std::fabs(place.dq);
+  } else {
+    near_from = std::fabs(area2_accurate(place.p, place.q, place.r));
+    near_to = std::fabs(area2_accurate(place.p, place.q, place.s));
+  }
+  if (near_from > near_to) std::swap(near_from, near_to), std::swap(from, to);
+  const double t = near_from / (near_from + near_to);
+  Point2 at{from.x + (to.x - from.x) * t, from.y + (to.y - from.y) * t};
+  if (place.kind == ExactPlace::crossing) {
+    if (place.p.x == place.q.x) at.x = place.p.x;
+    if (place.p.y == place.q.y) at.y = place.p.y;
+  }
+  at.x = std::clamp(at.x, std::min(from.x, to.x), std::max(from.x, to.x));
+  at.y = std::clamp(at.y, std::min(from.y, to.y), std::max(from.y, to.y));
+  return at;
+}
+
+double rounding_bound(const ExactPlace& place) {
+  const bool ratio = place.kind == ExactPlace::ratio;
+  const Point2 from = ratio ? place.p : place.r, to = ratio ? place.q : place.s;
+  const auto along = [](double a, double b) {
+    constexpr double half_ulp = 1.1102230246251566e-16;
+    return std::fabs(b - a) * 4e-13 + std::max(std::fabs(a), std::fabs(b)) * half_ulp;
+  };
+  return std::hypot(along(from.x, to.x), along(from.y, to.y));
+}
+
+void connect(PlanarMesh& mesh) {
+  std::vector<Index> start(mesh.points.size() + 2, 0);
+  const auto each = [&](auto&& visit) {
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+      for (int k = 0; mesh.faces[f][0] != none && k < 3; ++k) {
+        const Index p = mesh.faces[f][(k + 1) % 3], q = mesh.faces[f][(k + 2) % 3];
+        visit(static_cast<Index>(f), k, std::min(p, q), std::max(p, q));
+      }
+  };
+  each([&](Index, int, Index low, Index) { ++start[low + 2]; });
+  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+  struct Entry {
+    Index high, face;
+    int k;
+  };
+  std::vector<Entry> entries(start.back());
+  each([&](Index f, int k, Index low, Index high) { entries[start[low + 1]++] = {high, f, k}; });
+  mesh.neighbours.assign(mesh.faces.size(), {none, none, none});
+  for (std::size_t low = 0; low < mesh.points.size(); ++low)
+    for (Index i = start[low]; i < start[low + 1]; ++i)
+      for (Index j = i + 1; j < start[low + 1]; ++j)
+        if (entries[i].high == entries[j].high) {
+          mesh.neighbours[entries[i].face][entries[i].k] = entries[j].face;
+          mesh.neighbours[entries[j].face][entries[j].k] = entries[i].face;
+        }
+}
+
+Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
+                         const std::function<double(Index, Point2)>& distance) {
+  Rounded result;
+  for (Index v = 0; v < static_cast<Index>(mesh.points.size()); ++v) {
+    const ExactPlace exact = place(v);
+    if (exact.kind != ExactPlace::input)
+      result.report.max_move = std::max(result.report.max_move, rounding_bound(exact));
+  }
+  Mender mender(mesh);
+  const double bound = 3 * result.report.max_move;
+  std::vector<Index> bad = bad_faces(mesh);
+  if (!bad.empty()) {
+    Greedy(mender, place, distance, bound).run(bad);
+    bad = bad_faces(mesh);
+    if (!bad.empty()) result.report.kinetic = move_kinetically(mender, bad, place, context);
+    bad = bad_faces(mesh);
+    if (!bad.empty()) {
+      const Point2 at = mesh.points[mesh.faces[bad[0]][0]];
+      throw Error(ErrorKind::input, "rounding",
+                  "near " + std::to_string(at.x) + ", " + std::to_string(at.y) +
+                      " the surfaces come closer to each other than doubles can tell apart, and " + std::to_string(bad.size()) +
+                      " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
+    }
+  }
+  mender.changed(0, result.relabelled);
+  std::sort(result.relabelled.begin(), result.relabelled.end());
+  result.relabelled.erase(std::unique(result.relabelled.begin(), result.relabelled.end()), result.relabelled.end());
+  std::erase_if(result.relabelled, [&](Index f) { return !mender.alive(f); });
+  if (distance)
+    for (Index f : result.relabelled)
+      for (Index v : mesh.faces[f])
+        result.report.max_spill = std::max(result.report.max_spill, distance(mesh.labels[f], mesh.points[v]));
+  result.report.merges = mender.merges;
+  result.report.flips = mender.flips;
+  result.merged_into = mender.merged_into();
+  for (Index v = 0; v < static_cast<Index>(result.merged_into.size()); ++v)  // follow chains of merges to their end
+    while (result.merged_into[v] != result.merged_into[result.merged_into[v]])
+      result.merged_into[v] = result.merged_into[result.merged_into[v]];
+  return result;
+}
+
+}  // namespace terrane
