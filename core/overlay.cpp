@@ -26,8 +26,6 @@ Box frame_around(const Tin& a, const Tin& b) {
 /// Makes every face positive on its doubles; nothing happens when rounding hurt none, which is the common case.
 void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2], RoundingReport& report,
                  Context& context, std::vector<Index>& relabelled) {
-  for (Index v = arrangement.first_crossing(); v < arrangement.vertices(); ++v)
-    report.max_move = std::max(report.max_move, rounding_bound(crossing_place(arrangement, v)));
   const bool sound = std::all_of(work.faces.begin(), work.faces.end(), [&](const Face& f) {
     return orientation(work.points[f[0]], work.points[f[1]], work.points[f[2]]) > 0;
   });
@@ -41,11 +39,11 @@ void round_faces(const Arrangement& arrangement, OverlayFaces& work, const Surfa
       if (const Index f = work.regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
     return d;
   };
-  Rounded rounded = round_and_verify(mesh, place, context, distance);
-  rounded.report.max_move = report.max_move;
-  rounded.report.snapped = report.snapped;
-  rounded.report.max_snap = report.max_snap;
-  report = rounded.report;
+  const Rounded rounded = round_and_verify(mesh, place, context, distance);
+  report.max_spill = rounded.report.max_spill;
+  report.merges = rounded.report.merges;
+  report.flips = rounded.report.flips;
+  report.kinetic = rounded.report.kinetic;
   work.points = std::move(mesh.points);
   std::vector<Index> renumbered(mesh.faces.size(), none);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -94,6 +92,9 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
       number[v] = static_cast<Index>(vertex.size());
       vertex.push_back(static_cast<Index>(v));
       result.points.push_back(work.points[v]);
+      if (static_cast<Index>(v) >= arrangement.first_crossing())
+        result.rounding.max_move =
+            std::max(result.rounding.max_move, rounding_bound(crossing_place(arrangement, static_cast<Index>(v))));
     }
   for (std::size_t r = 0; r < work.regions.size(); ++r)
     result.rounding.collapsed += !live[r] && (work.regions[r][0] != none || work.regions[r][1] != none);

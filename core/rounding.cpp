@@ -149,7 +149,7 @@ double rounding_bound(const ExactPlace& place) {
   const Point2 from = ratio ? place.p : place.r, to = ratio ? place.q : place.s;
   const auto along = [](double a, double b) {
     constexpr double half_ulp = 1.1102230246251566e-16;
-    return std::fabs(b - a) * 4e-13 + std::max(std::fabs(a), std::fabs(b)) * half_ulp;
+    return std::fabs(b - a) * 1.5e-13 + std::max(std::fabs(a), std::fabs(b)) * half_ulp;
   };
   return std::hypot(along(from.x, to.x), along(from.y, to.y));
 }
