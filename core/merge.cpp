@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/merge.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "core/corner_heights.hpp"
+#include "core/mosaic.hpp"
+#include "core/seams.hpp"
+
+namespace terrane {
+namespace {
+
+/// Whether the order of the tiles given must not matter.
+bool any_order(Overlap overlap) { return overlap != Overlap::first && overlap != Overlap::last; }
+
+/// An order of tiles by content alone: along x, then y; equal boxes by what is in them.
+std::vector<int> order_by_content(const std::vector<Tin>& tiles, std::vector<int> order) {
+  std::vector<Box> boxes;
+  for (const Tin& tile : tiles) boxes.push_back(bounds(tile));
+  const auto key = [&](int t) {
+    const Box& b = boxes[t];
+    return std::tuple(b.xmin, b.ymin, b.xmax, b.ymax, tiles[t].vertices.size(), tiles[t].faces.size());
+  };
+  const auto content_before = [&](int a, int b) {
+    const Tin s = canonical(tiles[a]), t = canonical(tiles[b]);
+    const auto differ = std::mismatch(s.vertices.begin(), s.vertices.end(), t.vertices.begin(), t.vertices.end());
+    if (differ.first != s.vertices.end() && differ.second != t.vertices.end()) {
+      const Point &p = *differ.first, &q = *differ.second;
+      return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
+    }
+    return s.faces < t.faces;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return key(a) != key(b) ? key(a) < key(b) : content_before(a, b);
+  });
+  return order;
+}
+
+/// Non-empty tiles in the order in which they are merged.
+std::vector<int> merge_order(const std::vector<Tin>& tiles, Overlap overlap) {
+  std::vector<int> order;
+  for (int t = 0; t < static_cast<int>(tiles.size()); ++t)
+    if (!tiles[t].faces.empty()) order.push_back(t);
+  if (overlap == Overlap::last) std::reverse(order.begin(), order.end());
+  return any_order(overlap) ? order_by_content(tiles, std::move(order)) : order;
+}
+
+/// One tile on top of, under, or mixed with what has accumulated near it.
+class Step {
+ public:
+  Step(const Piece& near, const Piece& tile, int rank, Overlap policy, ContributorSets& sets)
+      : near_(near), tile_(tile), rank_(rank), policy_(policy), sets_(sets) {}
+
+  Piece run(RoundingReport& report, Context& context) {
+    OverlayOptions options;
+    options.refinement = any_order(policy_) ? Refinement::full : Refinement::paste;
+    overlay_ = overlay(as_tin(near_), as_tin(tile_), options, context);
+    if (policy_ == Overlap::min || policy_ == Overlap::max)
+      overlay_ = split_where_surfaces_cross(std::move(overlay_), context);
+    accumulate(report, overlay_.rounding);
+    Piece result;
+    result.surface.points = std::move(overlay_.points);
+    points_ = &result.surface.points;
+    result.surface.faces = overlay_.faces;
+    for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) fold(f, result);
+    return result;
+  }
+
+ private:
+  void fold(Index f, Piece& result) {
+    const auto [a, b] = overlay_.parents[f];
+    const bool mixed = a != none && b != none && (policy_ == Overlap::mean || policy_ == Overlap::sum);
+    if (mixed) {
+      const Index set = near_.contributors[a];
+      const double count = static_cast<double>(sets_.members(set).size());
+      for (int k = 0; k < 3; ++k) {
+        const double za = overlay_.height(0, f, k), zb = overlay_.height(1, f, k);
+        // The running mean: equal heights stay what they are, however many tiles share them.
+        result.surface.z.push_back(policy_ == Overlap::sum ? za + zb : za + (zb - za) / (count + 1));
+        result.surface.firm.push_back(0);
+      }
+      result.contributors.push_back(sets_.with(set, rank_));
+      return;
+    }
+    const int winner = a == none || (b != none && tile_wins(f)) ? 1 : 0;
+    const Piece& from = winner == 0 ? near_ : tile_;
+    const Index parent = winner == 0 ? a : b;
+    for (int k = 0; k < 3; ++k) {
+      result.surface.z.push_back(overlay_.height(winner, f, k));
+      result.surface.firm.push_back(is_firm(from, parent, (*points_)[overlay_.faces[f][k]]));
+    }
+    result.contributors.push_back(from.contributors[parent]);
+  }
+
+  bool tile_wins(Index f) const {
+    if (policy_ != Overlap::min && policy_ != Overlap::max) return false;
+    double above = 0;
+    for (int k = 0; k < 3; ++k) above += overlay_.height(1, f, k) - overlay_.height(0, f, k);
+    return policy_ == Overlap::max ? above > 0 : above < 0;
+  }
+
+  static bool is_firm(const Piece& from, Index parent, Point2 at) {
+    for (int k = 0; k < 3; ++k)
+      if (from.surface.points[from.surface.faces[parent][k]] == at)
+        return from.surface.firm[3 * static_cast<std::size_t>(parent) + k];
+    return false;
+  }
+
+  const Piece& near_;
+  const Piece& tile_;
+  int rank_;
+  Overlap policy_;
+  ContributorSets& sets_;
+  Overlay overlay_;
+  const std::vector<Point2>* points_ = nullptr;
+};
+
+Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, Overlap policy,
+                       ContributorSets& sets, RoundingReport& report, Context& context) {
+  Mosaic mosaic;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    context.progress("merge", static_cast<double>(rank) / static_cast<double>(order.size()));
+    const Piece tile = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
+    const Box box = widened(bounds(tiles[order[rank]]));
+    const Piece near = mosaic.take_near(box);
+    if (near.contributors.empty()) {
+      mosaic.add(tile);
+      continue;
+    }
+    Piece merged = Step(near, tile, static_cast<int>(rank), policy, sets).run(report, context);
+    // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face at a
+    // place inside the box is at hand; elsewhere nothing has changed.
+    const CornersByPlace places = corners_by_place(merged.surface.faces, merged.surface.points.size());
+    close_jumps(merged.surface, places, 0, [&](Point2 p) { return touches({p.x, p.y, p.x, p.y}, box); });
+    mosaic.add(merged);
+  }
+  return mosaic.take_all();
+}
+
+/// z_tolerance closes at the height of the tile that goes before.
+void sort_by_contributor(Piece& piece, const ContributorSets& sets) {
+  std::vector<std::size_t> order(piece.contributors.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t f, std::size_t g) {
+    return sets.members(piece.contributors[f]) < sets.members(piece.contributors[g]);
+  });
+  Piece sorted;
+  sorted.surface.points = std::move(piece.surface.points);
+  for (const std::size_t f : order) {
+    sorted.surface.faces.push_back(piece.surface.faces[f]);
+    sorted.contributors.push_back(piece.contributors[f]);
+    for (std::size_t c = 3 * f; c < 3 * f + 3; ++c) {
+      sorted.surface.z.push_back(piece.surface.z[c]);
+      sorted.surface.firm.push_back(piece.surface.firm[c]);
+    }
+  }
+  piece = std::move(sorted);
+}
+
+std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vector<int>& order, Context& context) {
+  std::vector<Box> boxes;
+  for (const Tin& tile : tiles) boxes.push_back(bounds(tile));
+  std::vector<int> by_index = order;
+  std::sort(by_index.begin(), by_index.end());
+  std::vector<SeamPair> pairs;
+  for (std::size_t i = 0; i < by_index.size(); ++i) {
+    context.progress("seams", static_cast<double>(i) / static_cast<double>(by_index.size()));
+    for (std::size_t j = i + 1; j < by_index.size(); ++j) {
+      const int a = by_index[i], b = by_index[j];
+      if (!touches(widened(boxes[a]), boxes[b])) continue;
+      std::optional<SeamPair> pair = compare_tiles(tiles[a], tiles[b], context);
+      if (!pair) continue;
+      pair->a = a;
+      pair->b = b;
+      pairs.push_back(*pair);
+    }
+  }
+  return pairs;
+}
+
+/// Pairs know tiles by their index, contributors by their rank.
+std::vector<SeamPair> with_jumps(std::vector<SeamPair> pairs, const Piece& piece, const ContributorSets& sets,
+                                 const std::vector<int>& order, const Assembly& assembly) {
+  std::vector<int> rank(order.empty() ? 0 : *std::max_element(order.begin(), order.end()) + 1, 0);
+  for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<int>(r);
+  for (SeamPair& pair : pairs) pair.a = rank[pair.a], pair.b = rank[pair.b];
+  attribute_jumps(piece.surface, piece.contributors, sets, assembly.z_tolerance, assembly.seam == Seam::wall, pairs);
+  for (SeamPair& pair : pairs) {
+    pair.a = order[pair.a], pair.b = order[pair.b];
+    if (pair.a > pair.b) std::swap(pair.a, pair.b);
+  }
+  std::sort(pairs.begin(), pairs.end(), [](auto& p, auto& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
+  return pairs;
+}
+
+}  // namespace
+
+Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context) {
+  const std::vector<int> order = merge_order(tiles, options.overlap);
+  Merged merged;
+  if (order.empty()) return merged;
+  if (order.size() == 1) {
+    merged.surface.tin = canonical(tiles[order[0]]);
+    return merged;
+  }
+  std::vector<SeamPair> pairs = compare_all(tiles, order, context);
+  ContributorSets sets(static_cast<int>(order.size()));
+  RoundingReport report;
+  Piece piece = accumulate_tiles(tiles, order, options.overlap, sets, report, context);
+  sort_by_contributor(piece, sets);
+  merged.seams = with_jumps(std::move(pairs), piece, sets, order, options.assembly);
+  merged.surface = assemble(std::move(piece.surface), options.assembly, context);
+  accumulate(merged.surface.rounding, report);
+  return merged;
+}
+
+}  // namespace terrane
