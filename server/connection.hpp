@@ -12,10 +12,10 @@ namespace terrane {
 class Connection {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t max_header = 64 * 1024;                       // request line and header lines
-  static constexpr auto header_time = std::chrono::seconds(10);              // to send them all
-  static constexpr auto silence = std::chrono::seconds(30);                  // between two pieces of a body
-  static constexpr auto idle_time = std::chrono::seconds(5);                 // between two requests
+  static constexpr std::size_t max_header = 64 * 1024;           // request line and header lines
+  static constexpr auto header_time = std::chrono::seconds(10);  // to send them all
+  static constexpr auto silence = std::chrono::seconds(30);      // between two pieces of a body
+  static constexpr auto idle_time = std::chrono::seconds(5);     // between two requests
 
   /// Takes the socket over and closes it at the end.
   explicit Connection(int socket);

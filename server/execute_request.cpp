@@ -55,7 +55,8 @@ std::optional<JsonMembers> qualified_value(std::string_view slice) {
   if (json_kind(slice) != '{') return std::nullopt;
   JsonMembers members = json_members(slice);
   const bool has_value = std::any_of(members.begin(), members.end(), [](const auto& m) { return m.first == "value"; });
-  const bool is_reference = std::any_of(members.begin(), members.end(), [](const auto& m) { return m.first == "href"; });
+  const bool is_reference =
+      std::any_of(members.begin(), members.end(), [](const auto& m) { return m.first == "href"; });
   if (is_reference && !has_value) {
     fail("reference-not-allowed", "Inputs by reference (href) are not fetched by this server; send the data itself.");
   }
@@ -73,12 +74,15 @@ InputPart input_from_qualified(const std::string& slot, const JsonMembers& membe
     else if (key == "mediaType") part.media_type = json_string(slice, what);
     else if (key == "encoding") encoding = json_string(slice, what);
     else if (key == "name") part.name = json_string(slice, what);
-    else if (key != "schema" && key != "format") fail("unknown-member", "The value of " + slot + " has an unknown member " + key + "; there are value, mediaType, encoding, name.");
+    else if (key != "schema" && key != "format")
+      fail("unknown-member",
+           "The value of " + slot + " has an unknown member " + key + "; there are value, mediaType, encoding, name.");
   }
   if (!encoding.empty() && encoding != "base64" && encoding != "binary" && encoding != "utf-8") {
     fail("bad-encoding", "The encoding of " + slot + " is " + encoding + "; there is base64, or none for text.");
   }
-  if (encoding == "base64" && !is_string(value)) fail("wrong-type", "The base64 value of " + slot + " must be a string.");
+  if (encoding == "base64" && !is_string(value))
+    fail("wrong-type", "The base64 value of " + slot + " must be a string.");
   part.bytes = is_string(value) ? json_string(value, "input " + slot) : std::string(value);
   if (encoding == "base64") part.bytes = decode_base64(part.bytes, "input " + slot);
   return part;
@@ -111,14 +115,16 @@ std::string parameter_text(const std::string& name, std::string_view slice) {
       std::string list;
       for (const std::string_view element : json_elements(slice)) {
         const char kind = json_kind(element);
-        if (kind == '[' || kind == '{') fail("wrong-type", "The list of parameter " + name + " holds more than numbers and text.");
+        if (kind == '[' || kind == '{')
+          fail("wrong-type", "The list of parameter " + name + " holds more than numbers and text.");
         list += (list.empty() ? "" : ",") + parameter_text(name, element);
       }
       return list;
     }
     default: {
       const nlohmann::json value = parse_json(slice, "parameter " + name);
-      if (!value.is_number() && !value.is_boolean()) fail("wrong-type", "The value of parameter " + name + " is null; leave it out instead.");
+      if (!value.is_number() && !value.is_boolean())
+        fail("wrong-type", "The value of parameter " + name + " is null; leave it out instead.");
       return std::string(slice);
     }
   }
@@ -130,7 +136,8 @@ void read_inputs(const Operation& operation, std::string_view slice, Request& re
     if (!slot_named(operation, name)) {
       add_parameter(request, name, parameter_text(name, value));
     } else if (json_kind(value) == '[') {
-      for (const std::string_view element : json_elements(value)) request.inputs.push_back(input_from_value(name, element));
+      for (const std::string_view element : json_elements(value))
+        request.inputs.push_back(input_from_value(name, element));
     } else {
       request.inputs.push_back(input_from_value(name, value));
     }
@@ -169,7 +176,8 @@ Ask ask_from_form(const Operation& operation, std::vector<FormPart> parts) {
   for (FormPart& part : parts) {
     // A browser sends a file field in which nothing was chosen as an empty part with an empty name.
     if (part.has_file_name && part.file_name.empty() && part.content.empty()) continue;
-    const bool is_input = slot_named(operation, part.name) || (part.has_file_name && !has_parameter(operation, part.name));
+    const bool is_input =
+        slot_named(operation, part.name) || (part.has_file_name && !has_parameter(operation, part.name));
     if (is_input) {
       std::string name = part.file_name.empty() ? part.name : std::move(part.file_name);
       // Text fields are text/plain to many clients, which says nothing of what the text is.
@@ -191,10 +199,12 @@ Ask ask_from_json(const Operation& operation, std::string_view body) {
       read_outputs(operation, value, ask.request);
     } else if (name == "response") {
       const std::string response = json_string(value, "response");
-      if (response != "raw" && response != "document") fail("wrong-type", "The member response must be raw or document.");
+      if (response != "raw" && response != "document")
+        fail("wrong-type", "The member response must be raw or document.");
       ask.as_document = response == "document";
     } else {
-      fail("unknown-member", "The execute request has an unknown member " + name + "; there are inputs, outputs, response.");
+      fail("unknown-member",
+           "The execute request has an unknown member " + name + "; there are inputs, outputs, response.");
     }
   }
   return ask;

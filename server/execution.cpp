@@ -28,7 +28,8 @@ void add_query(const Call& call, Request& request) {
     request.parameters.emplace_back(name, text);
   }
   const auto f = query_value(call, "f"), format = query_value(call, "format");
-  if (f && format && *f != *format) throw HttpError(400, "repeated-parameter", "f and format differ; give one of them.");
+  if (f && format && *f != *format)
+    throw HttpError(400, "repeated-parameter", "f and format differ; give one of them.");
   if (const auto& word = f ? f : format) request.format = *word;
 }
 
@@ -74,7 +75,8 @@ Response execute_until_stopped(const Plan& plan, Context& context, const bool& c
     return terrane::execute(plan, context);
   } catch (const Error& error) {
     if (error.kind != ErrorKind::cancelled || client_is_gone) throw;
-    throw Error(ErrorKind::busy, "stopping", "The service is being stopped before the work was done; send it again later.");
+    throw Error(ErrorKind::busy, "stopping",
+                "The service is being stopped before the work was done; send it again later.");
   }
 }
 
@@ -103,7 +105,8 @@ Ask Service::read_ask(const Operation& operation, const Call& call, const BodySo
     if (form) form->feed(piece);
     else text += piece;
   });
-  if (!complete) throw HttpError(400, "broken-body", "The body ends too early, or its chunks or its compression are broken.");
+  if (!complete)
+    throw HttpError(400, "broken-body", "The body ends too early, or its chunks or its compression are broken.");
   if (form && size > 0) return ask_from_form(operation, form->finish());
   return size == 0 ? Ask{} : ask_from_json(operation, text);
 }
@@ -136,8 +139,8 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
   const std::string wait_ms = milliseconds_since(queued);
   const Clock::time_point begun = Clock::now();
   Reply reply = reply_of(operation, ask, execute_until_stopped(checked, context, is_gone));
-  reply.headers.emplace_back("Server-Timing", "read;dur=" + read_ms + ", wait;dur=" + wait_ms +
-                                                  ", work;dur=" + milliseconds_since(begun));
+  reply.headers.emplace_back(
+      "Server-Timing", "read;dur=" + read_ms + ", wait;dur=" + wait_ms + ", work;dur=" + milliseconds_since(begun));
   return reply;
 }
 

@@ -17,9 +17,8 @@ namespace {
 }
 
 bool same_word(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::tolower(x) == std::tolower(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -127,7 +126,8 @@ bool MultipartParser::step() {
 }
 
 void MultipartParser::begin_part(std::string_view header) {
-  if (parts_.size() == max_parts) throw Error(ErrorKind::limit, "too-many-parts", "More than 4096 parts in one request.");
+  if (parts_.size() == max_parts)
+    throw Error(ErrorKind::limit, "too-many-parts", "More than 4096 parts in one request.");
   FormPart part;
   bool described = false;
   while (!header.empty()) {

@@ -18,8 +18,8 @@ struct FormPart {
   std::string content;
 };
 
-/// Throws Error{usage} "bad-multipart" naming the part, and Error{limit} when there are too many parts, or one is larger
-/// than its limit. Holds the parts and at most one piece more.
+/// Throws Error{usage} "bad-multipart" naming the part, and Error{limit} when there are too many parts, or one is
+/// larger than its limit. Holds the parts and at most one piece more.
 class MultipartParser {
  public:
   static constexpr std::size_t max_parts = 4096;

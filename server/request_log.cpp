@@ -17,7 +17,8 @@ namespace {
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+  const auto milliseconds =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
   std::tm parts{};
   gmtime_r(&seconds, &parts);
   char date[32], text[48];
@@ -30,9 +31,9 @@ std::string utc_now() {
 
 void log_request(const LogLine& line) {
   nlohmann::ordered_json value = {
-      {"time", utc_now()},       {"request_id", line.request_id}, {"client", line.client},
+      {"time", utc_now()},       {"request_id", line.request_id},     {"client", line.client},
       {"method", line.method},   {"path", line.path.substr(0, 1024)}, {"status", line.status},
-      {"seconds", line.seconds}, {"bytes_in", line.bytes_in},     {"bytes_out", line.bytes_out}};
+      {"seconds", line.seconds}, {"bytes_in", line.bytes_in},         {"bytes_out", line.bytes_out}};
   if (!line.failure.empty()) value["failure"] = line.failure;
   const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
   // One call: the stream's lock keeps the line whole.

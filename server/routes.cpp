@@ -76,7 +76,8 @@ void adopt(Exchange& exchange, httplib::Request& request) {
     call.accept += (call.accept.empty() ? "" : ",") + at->second;
   }
   // A POST that says nothing of its body may send one all the same.
-  const bool unsaid = lengths + codings == 0 && (call.method == "POST" || call.method == "PUT" || call.method == "PATCH");
+  const bool unsaid =
+      lengths + codings == 0 && (call.method == "POST" || call.method == "PUT" || call.method == "PATCH");
   exchange.has_body = codings > 0 || unsaid || (lengths > 0 && call.content_length != "0");
   exchange.id = request_id(request.get_header_value("X-Request-Id"));
   // Its multipart parser has no limits, its ranges no bounds.
@@ -99,7 +100,8 @@ void fill_problem(httplib::Response& response, const std::exception& exception) 
 /// Everything before the body: true when the answer is there.
 bool answer_header(Service& service, httplib::Response& response) {
   try {
-    if (current->call.path.size() > max_path) throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
+    if (current->call.path.size() > max_path)
+      throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
     std::optional<Reply> reply = service.answer_header(current->call);
     if (!reply) return false;
     fill(response, std::move(*reply));
@@ -133,9 +135,10 @@ void explain(httplib::Response& response) {
   const bool too_large = response.status == 400 && current->connection.header_too_large();
   const int status = too_large ? 431 : response.status;
   const char* code = too_large ? "header-too-large" : status == 414 ? "path-too-long" : "bad-request";
-  const char* text = too_large       ? "The header is larger than 64 KB."
-                     : status == 414 ? "The path with its query is longer than 8192 bytes; send parameters as form fields."
-                                     : "The request line, the header or the transfer is not valid HTTP.";
+  const char* text = too_large ? "The header is larger than 64 KB."
+                     : status == 414
+                         ? "The path with its query is longer than 8192 bytes; send parameters as form fields."
+                         : "The request line, the header or the transfer is not valid HTTP.";
   if (status >= 500) {
     fill(response, problem_reply(std::runtime_error("")));
   } else {
@@ -154,8 +157,8 @@ void finish_headers(httplib::Response& response) {
 
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - current->start).count();
-  log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status, seconds,
-               current->bytes_in, request.method == "HEAD" ? 0 : response.body.size(), current->failure});
+  log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status,
+               seconds, current->bytes_in, request.method == "HEAD" ? 0 : response.body.size(), current->failure});
 }
 
 }  // namespace
@@ -178,10 +181,10 @@ struct HttpServer::Library : httplib::Server {
     set_pre_routing_handler([this](const httplib::Request&, httplib::Response& response) {
       return terrane::answer_header(this->service, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
     });
-    Post("/processes/[^/]+/execution", [this](const httplib::Request&, httplib::Response& response,
-                                              const httplib::ContentReader& reader) {
-      read_and_execute(this->service, response, reader);
-    });
+    Post("/processes/[^/]+/execution",
+         [this](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& reader) {
+           read_and_execute(this->service, response, reader);
+         });
     set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& response) {
       explain(response);
       return HandlerResponse::Handled;
@@ -228,8 +231,9 @@ int HttpServer::bind(const std::string& host, int port) {
     throw Error(ErrorKind::usage, "port-in-use",
                 "Another program listens on " + place + "; stop it, or choose another port with --port.");
   }
-  throw Error(ErrorKind::usage, "cannot-listen",
-              "Cannot listen on " + place + "; --host must be an address of this machine, and the port one we may use.");
+  throw Error(
+      ErrorKind::usage, "cannot-listen",
+      "Cannot listen on " + place + "; --host must be an address of this machine, and the port one we may use.");
 }
 
 bool HttpServer::run() { return library_->listen_after_bind(); }

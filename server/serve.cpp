@@ -18,8 +18,8 @@ namespace terrane {
 namespace {
 
 // Container engines kill after ten seconds.
-constexpr int grace_seconds = 7;    // for requests in flight to finish by themselves
-constexpr int cancel_seconds = 2;   // for them to notice that they shall stop
+constexpr int grace_seconds = 7;   // for requests in flight to finish by themselves
+constexpr int cancel_seconds = 2;  // for them to notice that they shall stop
 
 sigset_t stop_signals() {
   sigset_t set;
@@ -53,7 +53,8 @@ void watch_signals(HttpServer& server, Service& service, const std::atomic<bool>
 
 void check(const ServeOptions& options) {
   if (options.port < 0 || options.port > 65535) {
-    throw Error(ErrorKind::usage, "out-of-range", "--port is " + std::to_string(options.port) + "; ports are 0 to 65535.");
+    throw Error(ErrorKind::usage, "out-of-range",
+                "--port is " + std::to_string(options.port) + "; ports are 0 to 65535.");
   }
   if (options.max_body == 0 || options.max_body > std::size_t{1} << 40) {
     throw Error(ErrorKind::usage, "out-of-range", "--max-body must be from 1 byte to 1 TB.");

@@ -8,15 +8,16 @@
 namespace terrane {
 
 struct ServeOptions {
-  std::string host = "127.0.0.1";          // DEFAULT: loopback only
-  int port = 8080;                         // 0: a free one, named on standard output
-  std::string data;                        // folder of the jobs' results; empty: the user's state directory
+  std::string host = "127.0.0.1";               // DEFAULT: loopback only
+  int port = 8080;                              // 0: a free one, named on standard output
+  std::string data;                             // folder of the jobs' results; empty: the user's state directory
   std::size_t max_body = std::size_t{1} << 30;  // bytes of one request's body, counted while it is read and decoded
-  int threads = 0;                         // executions at the same time; 0: one per core
+  int threads = 0;                              // executions at the same time; 0: one per core
 };
 
 /// Listens, prints one line "listening on http://HOST:PORT" on standard output when ready, and returns after SIGTERM or
-/// SIGINT: no new connections, requests in flight finish (at most 10 s). One JSON line per request goes to standard error.
+/// SIGINT: no new connections, requests in flight finish (at most 10 s). One JSON line per request goes to standard
+/// error.
 ///
 /// Returns 0 after a clean stop. Throws Error{usage} when the options are out of range or the address cannot be bound
 /// ("port-in-use": another program listens there). Called once per process, before other threads are started: it

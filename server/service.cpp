@@ -32,11 +32,13 @@ Shape shape_wanted(const Call& call, bool has_html, std::string_view media_type)
     const auto found = std::find(accepted.begin(), accepted.end(), type);
     return found - accepted.begin();
   };
-  if (has_html && !accepted.empty() && rank("text/html") < std::min<std::ptrdiff_t>(std::ssize(accepted), rank(json_type))) {
+  if (has_html && !accepted.empty() &&
+      rank("text/html") < std::min<std::ptrdiff_t>(std::ssize(accepted), rank(json_type))) {
     return Shape::html;
   }
   if (!is_accepted(accepted, json_type) && !is_accepted(accepted, media_type)) {
-    throw HttpError(406, "not-acceptable", "This resource is application/json" + std::string(has_html ? " or text/html." : "."));
+    throw HttpError(406, "not-acceptable",
+                    "This resource is application/json" + std::string(has_html ? " or text/html." : "."));
   }
   return Shape::json;
 }
@@ -53,15 +55,17 @@ Reply process_list(const Call& call) {
     summary["links"] = {link(base + "/processes/" + operation.id, "self", json_type, "Description of " + operation.id)};
     processes.push_back(std::move(summary));
   }
-  return json_reply({{"processes", processes}, {"links", {link(base + "/processes", "self", json_type, "The processes")}}});
+  return json_reply(
+      {{"processes", processes}, {"links", {link(base + "/processes", "self", json_type, "The processes")}}});
 }
 
 Reply process_page(const Call& call, const std::string& id) {
   const Operation& operation = find_operation(id);
   nlohmann::json description = process_description(operation);
   const std::string self = base_url(call) + "/processes/" + id;
-  description["links"] = {link(self, "self", json_type, "This description"),
-                          link(self + "/execution", "http://www.opengis.net/def/rel/ogc/1.0/execute", json_type, "Execute")};
+  description["links"] = {
+      link(self, "self", json_type, "This description"),
+      link(self + "/execution", "http://www.opengis.net/def/rel/ogc/1.0/execute", json_type, "Execute")};
   return json_reply(description);
 }
 
@@ -75,7 +79,9 @@ bool is_resource(const std::string& path) {
 }  // namespace
 
 std::string base_url(const Call& call) {
-  const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']'; };
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']';
+  };
   if (call.host.empty() || call.host.size() > 255 || !std::all_of(call.host.begin(), call.host.end(), plain)) return "";
   return "http://" + call.host;
 }
@@ -126,7 +132,8 @@ Reply Service::resource(const Call& call, const std::string& path) {
   if (path == "/processes") return process_list(call);
   if (path.starts_with("/processes/")) return process_page(call, path.substr(11));
   const auto report = reports_.get(path.substr(9));
-  if (!report) throw HttpError(404, "no-such-report", "This report is not there, or no longer; reports are kept for a while.");
+  if (!report)
+    throw HttpError(404, "no-such-report", "This report is not there, or no longer; reports are kept for a while.");
   return {200, std::string(json_type), {}, *report};
 }
 
@@ -148,8 +155,9 @@ void Service::check_body_header(const Call& call) const {
                     "The Content-Length is not a usable number.");
   }
   if (!chunked && std::stoull(length) > limits_.max_body) {
-    throw HttpError(413, "body-too-large", "The body is " + length + " bytes; this server takes up to " +
-                                               std::to_string(limits_.max_body) + " (--max-body).");
+    throw HttpError(413, "body-too-large",
+                    "The body is " + length + " bytes; this server takes up to " + std::to_string(limits_.max_body) +
+                        " (--max-body).");
   }
   const std::string& coding = call.content_encoding;
   if (!coding.empty() && coding != "identity" && coding != "gzip" && coding != "deflate" && coding != "br") {
@@ -158,8 +166,9 @@ void Service::check_body_header(const Call& call) const {
   const bool is_empty = !chunked && std::stoull(length) == 0;
   const std::string type = call.content_type.substr(0, call.content_type.find(';'));
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {
-    throw HttpError(415, "unsupported-body", "The body must be multipart/form-data or application/json, not " +
-                                                 (type.empty() ? "without a type" : header_text(type)) + ".");
+    throw HttpError(415, "unsupported-body",
+                    "The body must be multipart/form-data or application/json, not " +
+                        (type.empty() ? "without a type" : header_text(type)) + ".");
   }
 }
 

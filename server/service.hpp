@@ -14,7 +14,8 @@
 namespace terrane {
 
 struct ServiceLimits {
-  std::size_t max_body = std::size_t{1} << 30;  // decoded bytes of one body; all bodies together may hold four times that
+  std::size_t max_body =
+      std::size_t{1} << 30;  // decoded bytes of one body; all bodies together may hold four times that
   std::size_t max_field = std::size_t{1} << 20;  // one parameter in a form
   std::size_t max_reports = std::size_t{64} << 20;
   int slots = 1, line = 4;  // executions at work, and waiting
