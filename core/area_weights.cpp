@@ -43,7 +43,8 @@ void ScaleSheet::fit(int order) {
                                   box_.ymin + (box_.ymax - box_.ymin) * 0.5 * (1 + node(j)));
   std::vector<double> cosines(n * n);
   for (int k = 0; k < n; ++k)
-    for (int i = 0; i < n; ++i) cosines[k * n + i] = (k ? 2.0 : 1.0) / n * std::cos(std::numbers::pi * k * (i + 0.5) / n);
+    for (int i = 0; i < n; ++i)
+      cosines[k * n + i] = (k ? 2.0 : 1.0) / n * std::cos(std::numbers::pi * k * (i + 0.5) / n);
   for (int j = 0; j < n; ++j)
     for (int k = 0; k < n; ++k) {
       double sum = 0;
@@ -89,9 +90,10 @@ std::array<double, 3> AreaWeights::operator()(const Triangle& t, double area) co
   return weigh(t, {scale_(t[0]), scale_(t[1]), scale_(t[2])}, area, 0);
 }
 
-/// How far the scale is from linear on the edges decides: nothing above rounding, and the corners are enough; up to 2e-4,
-/// and a rule of degree 5 (exact for a scale of degree 4) errs by less than 1e-11; beyond, in quarters.
-std::array<double, 3> AreaWeights::weigh(const Triangle& t, const std::array<double, 3>& at, double area, int depth) const {
+/// How far the scale is from linear on the edges decides: nothing above rounding, and the corners are enough; up to
+/// 2e-4, and a rule of degree 5 (exact for a scale of degree 4) errs by less than 1e-11; beyond, in quarters.
+std::array<double, 3> AreaWeights::weigh(const Triangle& t, const std::array<double, 3>& at, double area,
+                                         int depth) const {
   std::array<double, 3> between;
   double bend = 0;
   for (int k = 0; k < 3; ++k) {

@@ -10,9 +10,9 @@
 // Integrals of (area scale) * (linear function) over triangles, to 1e-9 relative or better for smooth scales.
 namespace terrane {
 
-/// A scale over a box as a Chebyshev series, because asking a map projection millions of times takes minutes: a thousand
-/// questions are enough, and the series is tried against the scale itself at other places. Where it cannot be made
-/// accurate to 1e-11 the scale is asked directly.
+/// A scale over a box as a Chebyshev series, because asking a map projection millions of times takes minutes: a
+/// thousand questions are enough, and the series is tried against the scale itself at other places. Where it cannot be
+/// made accurate to 1e-11 the scale is asked directly.
 class ScaleSheet {
  public:
   ScaleSheet(AreaScale scale, const Box& box);
@@ -43,8 +43,8 @@ class AreaWeights {
   using Triangle = std::array<Point2, 3>;
   std::array<double, 3> weigh(const Triangle& t, const std::array<double, 3>& at, double area, int depth) const;
   std::array<double, 3> quadrature(const Triangle& t, double area) const;
-  std::array<double, 3> quarters(const Triangle& t, const std::array<double, 3>& at, const std::array<double, 3>& between,
-                                 double area, int depth) const;
+  std::array<double, 3> quarters(const Triangle& t, const std::array<double, 3>& at,
+                                 const std::array<double, 3>& between, double area, int depth) const;
   bool plain_;
   ScaleSheet scale_;
 };

@@ -29,13 +29,14 @@ std::vector<Index> components_of(const PlanTopology& topology) {
   return root;
 }
 
-/// Follows the border of each component around the voids beside it, so that rings that touch in a point stay apart, as in
-/// a polygon of the simple feature model.
+/// Follows the border of each component around the voids beside it, so that rings that touch in a point stay apart, as
+/// in a polygon of the simple feature model.
 class BorderRings {
  public:
   BorderRings(const Tin& tin, const PlanTopology& topology, const std::vector<Index>& component)
       : tin_(tin), topology_(topology), component_(component) {
-    for (std::size_t i = 0; i < topology.border.size(); ++i) leaving_.push_back({from(topology.border[i]), static_cast<Index>(i)});
+    for (std::size_t i = 0; i < topology.border.size(); ++i)
+      leaving_.push_back({from(topology.border[i]), static_cast<Index>(i)});
     std::sort(leaving_.begin(), leaving_.end());
   }
 
@@ -62,14 +63,16 @@ class BorderRings {
          out != leaving_.end() && out->first == here; ++out) {
       const Index other = topology_.border[out->second];
       if (component_[other / 3] != component_[h / 3]) continue;
-      if (best == none || sooner(at(here), at(from(h)), at(to(other)), at(to(topology_.border[best])))) best = out->second;
+      if (best == none || sooner(at(here), at(from(h)), at(to(other)), at(to(topology_.border[best]))))
+        best = out->second;
     }
     return best;
   }
 
   /// Does the ray from o through p come before the one through q, counter-clockwise from the ray through back?
   static bool sooner(Point2 o, Point2 back, Point2 p, Point2 q) {
-    const bool beyond_p = orientation(o, back, p) < 0, beyond_q = orientation(o, back, q) < 0;  // more than half a turn away
+    const bool beyond_p = orientation(o, back, p) < 0,
+               beyond_q = orientation(o, back, q) < 0;  // more than half a turn away
     return beyond_p != beyond_q ? beyond_q : orientation(o, p, q) > 0;
   }
 
@@ -83,7 +86,8 @@ void measure(const Tin& tin, const PlanTopology& topology, Inspection& result) {
   Sum area_2d, area_3d;
   for (std::size_t f = 0; f < tin.faces.size(); ++f) {
     if (!topology.in_plan(static_cast<Index>(f))) continue;
-    const Point &a = tin.vertices[tin.faces[f][0]], &b = tin.vertices[tin.faces[f][1]], &c = tin.vertices[tin.faces[f][2]];
+    const Point &a = tin.vertices[tin.faces[f][0]], &b = tin.vertices[tin.faces[f][1]],
+                &c = tin.vertices[tin.faces[f][2]];
     const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
     const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
     area_2d.add(0.5 * std::fabs(nz));
@@ -116,7 +120,8 @@ Inspection inspect(const Tin& tin) {
   result.t_junctions = border.touches.size();
   result.overlaps = border.crossings + border.doubled_regions;
   const std::vector<Index> component = components_of(topology);
-  for (Index f = 0; f < static_cast<Index>(component.size()); ++f) result.components += topology.in_plan(f) && component[f] == f;
+  for (Index f = 0; f < static_cast<Index>(component.size()); ++f)
+    result.components += topology.in_plan(f) && component[f] == f;
   const std::size_t rings = BorderRings(tin, topology, component).count();
   result.holes = rings - std::min(result.components, rings);
   measure(tin, topology, result);

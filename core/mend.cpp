@@ -23,7 +23,8 @@ class Columns {
   Index on_edge(Index place, Index a, Index b) {
     const Point p = tin_.vertices[a], q = tin_.vertices[b];
     Point made = tin_.vertices[place];
-    const double t = std::fabs(q.x - p.x) > std::fabs(q.y - p.y) ? (made.x - p.x) / (q.x - p.x) : (made.y - p.y) / (q.y - p.y);
+    const double t =
+        std::fabs(q.x - p.x) > std::fabs(q.y - p.y) ? (made.x - p.x) / (q.x - p.x) : (made.y - p.y) / (q.y - p.y);
     made.z = std::clamp(p.z + t * (q.z - p.z), std::min(p.z, q.z), std::max(p.z, q.z));
     std::vector<Index>& column = vertices_.at(place);
     Index nearest = none;
@@ -75,7 +76,8 @@ void split(Touched whole, std::vector<Face>& parts) {
 
 double height_rounding(double z) { return 1e-9 * std::max(1.0, std::fabs(z)); }
 
-std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const std::vector<Index>& places, const std::vector<bool>& used) {
+std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const std::vector<Index>& places,
+                                                     const std::vector<bool>& used) {
   const auto n = static_cast<Index>(tin.vertices.size());
   std::vector<bool> shared(n, false);
   std::vector<Index> crowd;

@@ -8,9 +8,9 @@
 
 #include "core/tin.hpp"
 
-// How the faces of any TIN, good or bad, lie beside each other in plan: what validation and the certificate are made of.
-// A place is a point of the plane; vertices at one place may have different heights. A half-edge is 3 * face + corner and
-// runs counter-clockwise along its face, whichever way the face itself is written.
+// How the faces of any TIN, good or bad, lie beside each other in plan: what validation and the certificate are made
+// of. A place is a point of the plane; vertices at one place may have different heights. A half-edge is 3 * face +
+// corner and runs counter-clockwise along its face, whichever way the face itself is written.
 namespace terrane {
 
 enum class Turn : std::int8_t {

@@ -18,7 +18,8 @@ namespace {
 
 std::string name_of(const char* what, Index number) { return std::string(what) + " " + std::to_string(number); }
 
-/// Do the interiors of two counter-clockwise triangles meet? Exactly not when a side of one has all of the other behind it.
+/// Do the interiors of two counter-clockwise triangles meet? Exactly not when a side of one has all of the other behind
+/// it.
 bool overlap(const std::array<Point2, 3>& a, const std::array<Point2, 3>& b) {
   const auto separates = [](const std::array<Point2, 3>& s, const std::array<Point2, 3>& t) {
     for (int k = 0; k < 3; ++k) {
@@ -99,8 +100,9 @@ void Audit::check_values() {
   for (Index f = 0; f < static_cast<Index>(tin_.faces.size()); ++f)
     for (const Index v : tin_.faces[f])
       if (v < 0 || v >= n) {
-        note(fatal_, count++, "index-out-of-range", name_of("face", f),
-             "names vertex " + std::to_string(v) + ", but there are " + std::to_string(n) + " vertices, counted from 0");
+        note(
+            fatal_, count++, "index-out-of-range", name_of("face", f),
+            "names vertex " + std::to_string(v) + ", but there are " + std::to_string(n) + " vertices, counted from 0");
         break;
       }
 }
@@ -110,7 +112,8 @@ void Audit::find_unused() {
   for (const Face& face : tin_.faces)
     for (const Index v : face) used_[v] = true;
   for (Index v = 0; v < static_cast<Index>(used_.size()); ++v)
-    if (!used_[v]) note(mended_, mending_.unused_vertices++, "unused-vertex", name_of("vertex", v), "belongs to no face");
+    if (!used_[v])
+      note(mended_, mending_.unused_vertices++, "unused-vertex", name_of("vertex", v), "belongs to no face");
 }
 
 void Audit::weld() {
@@ -137,7 +140,8 @@ void Audit::drop_duplicate_faces() {
   for (Index f = 0; f < static_cast<Index>(tin_.faces.size()); ++f) {
     Face sorted = tin_.faces[f];
     std::sort(sorted.begin(), sorted.end());
-    const bool suspect = topology_.in_plan(f) ? !crowded.empty() && crowded[topology_.place[sorted[0]]] : topology_.turn[f] == Turn::wall;
+    const bool suspect = topology_.in_plan(f) ? !crowded.empty() && crowded[topology_.place[sorted[0]]]
+                                              : topology_.turn[f] == Turn::wall;
     if (suspect) candidates.emplace_back(sorted, f);
   }
   std::sort(candidates.begin(), candidates.end());
@@ -180,7 +184,8 @@ void Audit::find_crowded_edges() {
     std::string list;
     for (std::size_t i = 0; i < users.size() && i < 8; ++i) list += (i ? ", " : "") + std::to_string(users[i]);
     if (users.size() > 8) list += ", ...";
-    const std::string use = users.size() > 2 ? " is used by " + std::to_string(users.size()) + " faces: " : " has two faces on one side: ";
+    const std::string use =
+        users.size() > 2 ? " is used by " + std::to_string(users.size()) + " faces: " : " has two faces on one side: ";
     fatal_.push_back({"non-manifold-edge", "edge " + std::to_string(edge[0]) + "-" + std::to_string(edge[1]),
                       "from " + place_of(edge[0]) + " to " + place_of(edge[1]) + use + list});
   }

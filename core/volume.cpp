@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t faces_per_report = 65536;
 
 void report(Context& context, std::size_t done, std::size_t all) {
-  if (done % faces_per_report == 0) context.progress("volume", static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all, 1)));
+  if (done % faces_per_report == 0)
+    context.progress("volume", static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all, 1)));
 }
 
 Box around(const std::vector<Point2>& points) {

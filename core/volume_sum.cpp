@@ -20,7 +20,9 @@ double slope_factor(const std::array<Point2, 3>& p, const std::array<double, 3>&
 }
 
 double total(const std::array<double, 3>& w) { return w[0] + w[1] + w[2]; }
-double dot(const std::array<double, 3>& w, const std::array<double, 3>& v) { return w[0] * v[0] + w[1] * v[1] + w[2] * v[2]; }
+double dot(const std::array<double, 3>& w, const std::array<double, 3>& v) {
+  return w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
+}
 
 }  // namespace
 
@@ -62,7 +64,8 @@ void VolumeSum::add_side(Side& side, const Pieces& pieces, double sign, double s
     add_piece(side, pieces.all[i], weights_(pieces.all[i].plan, pieces.all[i].area), sign, slope);
 }
 
-void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 3>& z, const std::array<double, 3>& reference) {
+void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 3>& z,
+                    const std::array<double, 3>& reference) {
   const Piece whole = {plan, {z[0] - reference[0], z[1] - reference[1], z[2] - reference[2]}, plan_area(plan)};
   const auto w = weights_(plan, whole.area);
   overlap_.add(total(w));
@@ -88,8 +91,12 @@ void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 
   add_side(same_, same, 1, slope);
 }
 
-void VolumeSum::add_surface_only(const std::array<Point2, 3>& plan) { surface_only_.add(total(weights_(plan, plan_area(plan)))); }
-void VolumeSum::add_reference_only(const std::array<Point2, 3>& plan) { reference_only_.add(total(weights_(plan, plan_area(plan)))); }
+void VolumeSum::add_surface_only(const std::array<Point2, 3>& plan) {
+  surface_only_.add(total(weights_(plan, plan_area(plan))));
+}
+void VolumeSum::add_reference_only(const std::array<Point2, 3>& plan) {
+  reference_only_.add(total(weights_(plan, plan_area(plan))));
+}
 
 Volume VolumeSum::result() const {
   Volume volume;

@@ -18,17 +18,20 @@ namespace {
 constexpr int unknown = std::numeric_limits<int>::min();
 
 struct Region {
-  int flux[3] = {0, 0, 0};  // border half-edges along the edge opposite corner i with this triangle on their left, minus right
+  int flux[3] = {
+      0, 0, 0};  // border half-edges along the edge opposite corner i with this triangle on their left, minus right
   int winding = unknown;
   bool counted = false;
 };
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Index, Kernel>;
-using FaceBase = CGAL::Triangulation_face_base_with_info_2<Region, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using FaceBase =
+    CGAL::Triangulation_face_base_with_info_2<Region, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
 using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_requiring_constructions_tag>;
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                               CGAL::No_constraint_intersection_requiring_constructions_tag>;
 using Vertex = Triangulation::Vertex_handle;
 using Triangle = Triangulation::Face_handle;
 
@@ -157,7 +160,8 @@ void Border::collect_doubled(BorderReport& report, std::size_t limit) {
       const Triangle t = stack.back();
       stack.pop_back();
       if (report.doubled.size() < limit)
-        report.doubled.push_back({at(used_[t->vertex(0)->info()]), at(used_[t->vertex(1)->info()]), at(used_[t->vertex(2)->info()])});
+        report.doubled.push_back(
+            {at(used_[t->vertex(0)->info()]), at(used_[t->vertex(1)->info()]), at(used_[t->vertex(2)->info()])});
       for (int i = 0; i < 3; ++i) {
         const Triangle n = t->neighbor(i);
         if (cdt_.is_infinite(n) || !doubled(n) || n->info().counted) continue;

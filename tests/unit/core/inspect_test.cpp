@@ -48,8 +48,8 @@ TEST(Inspect, CountsComponentsAndHoles) {
   EXPECT_EQ(components_and_holes({"#####", "#...#", "#.#.#", "#...#", "#####"}), Counts(2, 1));  // an island in a lake
 }
 
-// As in a polygon of the simple feature model: two holes that touch in a corner are two, a hole may touch the outer border
-// in a corner, parts that touch in a corner are apart, and what two parts enclose together is a hole of neither.
+// As in a polygon of the simple feature model: two holes that touch in a corner are two, a hole may touch the outer
+// border in a corner, parts that touch in a corner are apart, and what two parts enclose together is a hole of neither.
 TEST(Inspect, PinchesDoNotConfuseTheCounts) {
   EXPECT_EQ(components_and_holes({"####", "#.##", "##.#", "####"}), Counts(1, 2));
   EXPECT_EQ(components_and_holes({".##", "#.#", "###"}), Counts(1, 1));
@@ -108,8 +108,8 @@ TEST(Inspect, NeverThrows) {
   EXPECT_EQ(inspect(Tin{}).components, 0u);
 }
 
-// Against brute force: random triangles, some of which overlap. Overlap by clipping areas would round, so the truth is taken
-// on a lattice of small integers where every sum is exact.
+// Against brute force: random triangles, some of which overlap. Overlap by clipping areas would round, so the truth is
+// taken on a lattice of small integers where every sum is exact.
 TEST(Inspect, AgreesWithBruteForceOnRandomSoups) {
   std::mt19937 random(11);
   int sound = 0, unsound = 0;

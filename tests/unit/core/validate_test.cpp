@@ -96,7 +96,8 @@ TEST(FindDefects, TheSameTriangleAtTwoHeightsIsRefused) {
   EXPECT_GT(count(find_defects(tin), "non-manifold-edge"), 0u);
 }
 
-// A crack of one ulp between neighbours is no overlap, an overlap of one ulp is one: judged exactly, far from the origin.
+// A crack of one ulp between neighbours is no overlap, an overlap of one ulp is one: judged exactly, far from the
+// origin.
 TEST(FindDefects, OneUlpDecides) {
   const double x = 500000, y = 4500000;
   for (const int side : {-1, 1}) {
@@ -159,7 +160,8 @@ TEST(Checked, MendsWhatIsHarmlessAndSaysSo) {
   Tin tin = square();
   tin.vertices.push_back({0, 0, 0});                 // 4 is 0 again
   tin.vertices.push_back({9, 9, 9});                 // 5 is unused
-  tin.faces = {{0, 1, 2}, {4, 3, 2}, {2, 0, 1}, {1, 1, 2}};  // the second is clockwise, the third the first, the fourth flat
+  tin.faces = {
+      {0, 1, 2}, {4, 3, 2}, {2, 0, 1}, {1, 1, 2}};  // the second is clockwise, the third the first, the fourth flat
   Context context;
   Mending mending;
   const Tin mended = checked(tin, "in.ply", context, &mending);

@@ -94,7 +94,8 @@ TEST(VolumeSum, SidesAddUpOnRandomFaces) {
 
 /// Two triangles over [0, w] x [south, south + h].
 Tin sheet(double south, double w, double h, double z_south, double z_north) {
-  return {{{0, south, z_south}, {w, south, z_south}, {w, south + h, z_north}, {0, south + h, z_north}}, {{0, 1, 2}, {0, 2, 3}}};
+  return {{{0, south, z_south}, {w, south, z_south}, {w, south + h, z_north}, {0, south + h, z_north}},
+          {{0, 1, 2}, {0, 2, 3}}};
 }
 
 // The sphere in radians: the scale of longitude and latitude is cos(y).
@@ -104,7 +105,8 @@ TEST(AreaScale, IntegratesASphereToNineDigits) {
     for (const double south : {0.0, 0.05}) {
       const Tin tin = sheet(south, h / 2, h, 3, 3 + h);
       const double north = south + h;
-      const double sine = 2 * std::cos(south + h / 2) * std::sin(h / 2);  // sin(north) - sin(south) without cancellation
+      const double sine =
+          2 * std::cos(south + h / 2) * std::sin(h / 2);  // sin(north) - sin(south) without cancellation
       EXPECT_NEAR(area(tin, sphere) / (h / 2 * sine), 1, 1e-9) << h;
       if (h < 0.01) continue;  // the closed form below cancels
       const auto f = [&](double y) { return (3 - south + y) * std::sin(y) + std::cos(y); };
