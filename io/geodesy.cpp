@@ -105,7 +105,7 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::local_frame(std::string_view unit) {
   return impl;
 }
 
-std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs) {
+std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const std::string& given) {
   const char* name = nullptr;
   if (srs.IsLocal()) {
     const double unit = srs.GetLinearUnits(&name);
@@ -153,7 +153,8 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs) {
   impl->wkt1 = exported(srs, "WKT1_GDAL");
   impl->horizontal_wkt = exported(horizontal, "WKT2_2019");
   if (impl->wkt.empty() || impl->horizontal_wkt.empty()) bad_crs("it cannot be written as WKT");
-  const std::string code = verified_code(srs), plan = verified_code(horizontal);
+  const std::string code = given.empty() ? verified_code(srs) : given;
+  const std::string plan = !given.empty() && horizontal.GetAxesCount() == srs.GetAxesCount() && !srs.IsCompound() ? given : verified_code(horizontal);
   impl->id = code.empty() ? impl->wkt : code;
   impl->definition = impl->id;
   impl->horizontal_definition = plan.empty() ? impl->horizontal_wkt : plan;

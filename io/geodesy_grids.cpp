@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 
 #include <dlfcn.h>
 #include <proj.h>
@@ -30,6 +31,7 @@ struct Proj {
   TERRANE_PROJ(operation_factory_context_set_allow_ballpark_transformations);
   TERRANE_PROJ(operation_factory_context_set_grid_availability_use);
   TERRANE_PROJ(operation_factory_context_set_spatial_criterion);
+  TERRANE_PROJ(operation_factory_context_set_area_of_interest);
   TERRANE_PROJ(create_operations);
   TERRANE_PROJ(list_get_count);
   TERRANE_PROJ(list_get);
@@ -42,7 +44,7 @@ struct Proj {
     return context_create && context_destroy && context_set_enable_network && log_level && create && destroy &&
            create_operation_factory_context && operation_factory_context_destroy &&
            operation_factory_context_set_allow_ballpark_transformations && operation_factory_context_set_grid_availability_use &&
-           operation_factory_context_set_spatial_criterion && create_operations && list_get_count && list_get && list_destroy &&
+           operation_factory_context_set_spatial_criterion && operation_factory_context_set_area_of_interest && create_operations && list_get_count && list_get && list_destroy &&
            coordoperation_get_grid_used_count && coordoperation_get_grid_used;
   }
 };
@@ -68,7 +70,7 @@ std::vector<std::string> lacking(PJ_CONTEXT* context, const PJ* operation) {
 
 }  // namespace
 
-std::vector<std::string> missing_grids(const Crs& from, const Crs& to) {
+std::vector<std::string> missing_grids(const Crs& from, const Crs& to, const Box& lon_lat) {
   if (!proj().complete()) return {};
   const auto context = std::unique_ptr<PJ_CONTEXT, decltype(proj().context_destroy)>(proj().context_create(), proj().context_destroy);
   proj().context_set_enable_network(context.get(), 0);
@@ -82,6 +84,9 @@ std::vector<std::string> missing_grids(const Crs& from, const Crs& to) {
   proj().operation_factory_context_set_allow_ballpark_transformations(context.get(), factory.get(), 0);
   proj().operation_factory_context_set_grid_availability_use(context.get(), factory.get(), PROJ_GRID_AVAILABILITY_IGNORED);
   proj().operation_factory_context_set_spatial_criterion(context.get(), factory.get(), PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+  if (is_area(lon_lat))
+    proj().operation_factory_context_set_area_of_interest(context.get(), factory.get(), std::remainder(lon_lat.xmin, 360), lon_lat.ymin,
+                                                          std::remainder(lon_lat.xmax, 360), lon_lat.ymax);
   const auto list = std::unique_ptr<PJ_OBJ_LIST, decltype(proj().list_destroy)>(
       proj().create_operations(context.get(), source.get(), target.get(), factory.get()), proj().list_destroy);
   std::vector<std::string> names;

@@ -27,7 +27,8 @@ struct Crs::Impl {
   double semi_major = 6378137, inverse_flattening = 298.257223563;  // of the datum; 0: a sphere
 
   static std::shared_ptr<const Impl> local_frame(std::string_view unit);
-  static std::shared_ptr<const Impl> of(OGRSpatialReference srs);
+  /// `code`: the register's name for it when the text was one; else empty, and the CRS's own code is looked at.
+  static std::shared_ptr<const Impl> of(OGRSpatialReference srs, const std::string& code);
 };
 
 /// What GDAL and PROJ say while this lives goes nowhere: their texts may hold bytes of an input.
@@ -46,14 +47,20 @@ OGRSpatialReference osr(const std::string& definition);
 
 using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
 
-/// Null when there is none. `ballpark`: accept an unknown datum shift as none at all; only where a rough place is enough.
+/// Null when there is none. `lon_lat` (may be null): where, in degrees; decides between operations made for regions. `ballpark`: accept an unknown datum shift as none at all; only where a rough place is enough.
 Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat,
                                    bool ballpark);
 
 /// The box in degrees on the CRS's own datum; all zero when it has no place there. Around 0 to 360 wide; may pass 180.
 Box lon_lat_box(const Crs& crs, const Box& box);
 
+/// False for the zero box and for boxes around the whole globe. A single place counts.
+inline bool is_area(const Box& lon_lat) {
+  return (lon_lat.xmin != 0 || lon_lat.xmax != 0 || lon_lat.ymin != 0 || lon_lat.ymax != 0) && lon_lat.xmax >= lon_lat.xmin &&
+         lon_lat.xmax - lon_lat.xmin < 360 && lon_lat.ymax >= lon_lat.ymin;
+}
+
 /// Names of the grids that every known way from one to the other needs and that are not installed.
-std::vector<std::string> missing_grids(const Crs& from, const Crs& to);
+std::vector<std::string> missing_grids(const Crs& from, const Crs& to, const Box& lon_lat);
 
 }  // namespace terrane

@@ -90,7 +90,7 @@ std::string equal_area(double longitude, double latitude) {
   srs.SetProjCS("Lambert azimuthal equal-area around the data");
   srs.SetWellKnownGeogCS("WGS84");
   srs.SetLAEA(latitude, longitude, 0, 0);
-  return Crs::Impl::of(std::move(srs))->wkt;
+  return Crs::Impl::of(std::move(srs), "")->wkt;
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ Mover::Mover(const Crs& from, const Crs& to, const Box& area) {
   const auto target = osr(shift_heights_ ? b.definition : b.horizontal_definition);
   there_ = make_transformation(source, target, &lon_lat, false);
   if (!there_) {
-    const std::vector<std::string> grids = missing_grids(from, to);
+    const std::vector<std::string> grids = missing_grids(from, to, lon_lat);
     if (!grids.empty())
       throw Error(ErrorKind::input, "missing-grid", "the way from " + from.name() + " to " + to.name() + " needs the grid " + listed(grids) +
                                                         ", which is not installed; install it (package proj-data or https://cdn.proj.org) or choose another target-crs");
@@ -187,7 +187,7 @@ Box box_of(const std::vector<Point>& points) {
 Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat, bool ballpark) {
   OGRCoordinateTransformationOptions options;
   options.SetBallparkAllowed(ballpark);
-  if (lon_lat && lon_lat->xmax > lon_lat->xmin && lon_lat->xmax - lon_lat->xmin < 360 && lon_lat->ymax >= lon_lat->ymin)
+  if (lon_lat && is_area(*lon_lat))
     options.SetAreaOfInterest(std::remainder(lon_lat->xmin, 360), std::max(lon_lat->ymin, -90.0), std::remainder(lon_lat->xmax, 360),
                               std::min(lon_lat->ymax, 90.0));
   return Transformation(OGRCreateCoordinateTransformation(&from, &to, options));
