@@ -28,10 +28,10 @@ struct Parameter {
 };
 
 struct InputSlot {
-  std::string name;
+  std::string name = {};
   int min_occurs = 1, max_occurs = 1;  // max_occurs 0: any number
   bool takes_number = false;           // a level may stand in for a surface
-  std::string sentence;
+  std::string sentence = {};
 };
 
 /// A decoded input in the common frame, as an operation's run sees it.
@@ -60,18 +60,18 @@ struct Intake {
 };
 
 struct Operation {
-  std::string id, title, description;
-  std::vector<InputSlot> inputs;
-  std::vector<Parameter> parameters;  // its own; those of every operation are in common_parameters()
-  std::vector<std::string> output_formats;  // every format it can have; the first is the default
-  std::function<Outcome(std::vector<Surface>& inputs, const nlohmann::json& parameters, Context&)> run;
+  std::string id = {}, title = {}, description = {};
+  std::vector<InputSlot> inputs = {};
+  std::vector<Parameter> parameters = {};  // its own; those of every operation are in common_parameters()
+  std::vector<std::string> output_formats = {};  // every format it can have; the first is the default
+  std::function<Outcome(std::vector<Surface>& inputs, const nlohmann::json& parameters, Context&)> run = {};
 
   ResultKind result = ResultKind::surface;
-  Intake intake;
+  Intake intake = {};
   /// Parameters and number of inputs that contradict each other. Throws Error{usage}. May be null.
-  std::function<void(const nlohmann::json& parameters, const std::vector<InputPart>& inputs)> check;
+  std::function<void(const nlohmann::json& parameters, const std::vector<InputPart>& inputs)> check = {};
   /// The kind of result where parameters change it (validate with repair); null: always `result`.
-  std::function<ResultKind(const nlohmann::json& parameters)> result_with;
+  std::function<ResultKind(const nlohmann::json& parameters)> result_with = {};
 
   ResultKind kind(const nlohmann::json& values) const { return result_with ? result_with(values) : result; }
 };

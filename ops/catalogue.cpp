@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "ops/operations.hpp"
+#include "ops/parameters.hpp"
+
+namespace terrane {
+
+const std::vector<Operation>& catalogue() {
+  static const std::vector<Operation> all = {
+      add(),
+      subtract(),
+      merge_operation(),
+      volume_operation(),
+      triangulate_operation(),
+      render(),
+      transform_operation(),
+      validate(),
+      info(),
+      convert(),
+  };
+  return all;
+}
+
+const Operation& find_operation(std::string_view id) {
+  std::string list;
+  for (const Operation& operation : catalogue()) {
+    if (operation.id == id) return operation;
+    list += (list.empty() ? "" : ", ") + operation.id;
+  }
+  throw Error(ErrorKind::no_such_process, "no-such-process",
+              "there is no operation '" + std::string(id.substr(0, 80)) + "'; there are " + list);
+}
+
+const std::vector<Parameter>& common_parameters() {
+  static const std::vector<Parameter> all = described<CommonParameters>();
+  return all;
+}
+
+std::vector<std::string> formats_of(ResultKind kind) {
+  if (kind == ResultKind::report) return {"json"};
+  if (kind == ResultKind::table) return {"json", "csv"};
+  if (kind == ResultKind::picture) return {"png"};
+  std::vector<std::string> words;
+  for (const Format& format : formats())
+    if (format.write) words.push_back(format.name);
+  // Terrane JSON is what comes when nothing says otherwise.
+  std::stable_partition(words.begin(), words.end(), [](const std::string& word) { return word == "json"; });
+  return words;
+}
+
+std::string media_type_of(std::string_view word) {
+  if (word == "csv") return "text/csv";
+  if (word == "png") return "image/png";
+  if (const Format* format = format_named(word)) return format->media_type;
+  return "application/json";
+}
+
+}  // namespace terrane

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/validate.hpp"
+#include "ops/certificate.hpp"
+#include "ops/frame.hpp"
+#include "ops/input_format.hpp"
+#include "ops/operation.hpp"
+#include "ops/outcome.hpp"
+#include "ops/sha256.hpp"
+
+// decode -> common frame -> run -> verify -> encode: the same for every door.
+namespace terrane {
+namespace {
+
+/// What a raster was, for `info`.
+nlohmann::json raster_facts(const Raster& dem) {
+  std::size_t voids = 0;
+  double low = INFINITY, high = -INFINITY;
+  for (double z : dem.samples)
+    if (std::isnan(z))
+      ++voids;
+    else
+      low = std::min(low, z), high = std::max(high, z);
+  nlohmann::json range;
+  if (low <= high) range = {low, high};
+  return {{"width", dem.width}, {"height", dem.height}, {"cell_size", {dem.dx, dem.dy}},
+          {"north_west_sample", {dem.x0, dem.y0}}, {"voids", voids}, {"height_range", range}};
+}
+
+/// Errors of readers and of validation name the input by its label; a memory limit does too.
+Surface decode(const InputPart& part, const InputSlot& slot, const Operation& operation, Context& context) {
+  Surface surface{part.slot, label(part), sha256(part.bytes), 0.0, {}, nullptr, 0};
+  if (const auto level = level_of(part, slot)) {
+    surface.value = *level;
+    return surface;
+  }
+  Dataset data = input_format(part).read(part.bytes, {.name = surface.name}, context);
+  surface.crs = data.crs;
+  if (Raster* dem = std::get_if<Raster>(&data.surface)) {
+    if (operation.result == ResultKind::report) surface.source = raster_facts(*dem);
+    surface.value = std::move(*dem);
+  } else {
+    surface.value = std::move(std::get<Tin>(data.surface));
+  }
+  return surface;
+}
+
+std::vector<Surface> decode_all(const Plan& plan, Context& context) {
+  const Operation& operation = *plan.operation;
+  std::vector<Surface> surfaces;
+  const double parts = static_cast<double>(plan.request.inputs.size());
+  for (const InputPart& part : plan.request.inputs) {
+    context.progress("read", static_cast<double>(surfaces.size()) / parts);
+    const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
+                                   [&](const InputSlot& s) { return s.name == part.slot; });
+    surfaces.push_back(decode(part, *slot, operation, context));
+  }
+  return surfaces;
+}
+
+/// A result that is not what was promised is not returned.
+void refuse_unsound(const Inspection& seen, const std::string& operation) {
+  if (seen.inverted + seen.degenerate + seen.t_junctions + seen.non_manifold_edges == 0) return;
+  throw Error(ErrorKind::internal, "unsound-result",
+              "the result of '" + operation + "' has " + std::to_string(seen.inverted) + " inverted and " +
+                  std::to_string(seen.degenerate) + " degenerate faces, " + std::to_string(seen.t_junctions) +
+                  " T-junctions and " + std::to_string(seen.non_manifold_edges) + " edges with too many faces");
+}
+
+/// The inputs as the operation will see them, kept while it may consume them: heights are checked against these.
+std::vector<const Tin*> tins_of(const std::vector<Surface>& surfaces) {
+  std::vector<const Tin*> tins;
+  for (const Surface& s : surfaces)
+    if (!s.level()) tins.push_back(&s.tin());
+  return tins;
+}
+
+std::string encode(const Plan& plan, const Frame& frame, const Tin& tin, const nlohmann::json& report, Context& context) {
+  context.progress("write", 0);
+  const Format* format = format_named(plan.output_format);
+  WriteOptions options;
+  options.certificate_json = embedded(report).dump();
+  return format->write(tin, frame.crs, options, context);
+}
+
+std::string extension_of(const std::string& word) {
+  const Format* format = format_named(word);
+  return format && word != "json" ? format->extensions.front() : "." + word;
+}
+
+/// The part of a certificate that a report or a picture can have.
+nlohmann::json report_certificate(const Plan& plan, const Frame& frame, const Context& context) {
+  return {{"type", "Certificate"},
+          {"software", std::string("terrane ") + TERRANE_VERSION},
+          {"operation", plan.operation->id},
+          {"parameters", deciding(plan.parameters)},
+          {"inputs", inputs_json(frame)},
+          {"reprojection", frame.reprojection},
+          {"warnings", warnings_json(context.warnings)}};
+}
+
+void use_threads(const Plan& plan, Context& context) {
+  const auto it = plan.parameters.find("threads");
+  const int asked = it == plan.parameters.end() ? 0 : it->get<int>();
+  if (asked > 0) context.threads = std::min(std::max(context.threads, 1), asked);
+}
+
+}  // namespace
+
+Response execute(const Plan& plan, Context& context) {
+  use_threads(plan, context);
+  std::vector<Surface> surfaces = decode_all(plan, context);
+  const Frame frame = common_frame(surfaces, plan, context);
+  Outcome outcome = plan.operation->run(surfaces, plan.parameters, context);
+
+  Response response;
+  response.media_type = media_type_of(plan.output_format);
+  response.file_name = plan.operation->id + extension_of(plan.output_format);
+  if (const Tin* tin = std::get_if<Tin>(&outcome.result)) {
+    const Inspection seen = inspect(*tin);
+    if (outcome.verify) refuse_unsound(seen, plan.operation->id);
+    const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
+    const HeightCheck heights = check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
+    response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
+    response.body = encode(plan, frame, *tin, response.report, context);
+  } else if (const Picture* picture = std::get_if<Picture>(&outcome.result)) {
+    response.report = report_certificate(plan, frame, context);
+    response.body = write_png(*picture);
+  } else {
+    response.report = std::move(std::get<nlohmann::json>(outcome.result));
+    response.report["certificate"] = report_certificate(plan, frame, context);
+    response.body = plan.output_format == "csv" ? outcome.csv : response.report.dump(2) + "\n";
+  }
+  response.warnings = context.warnings;
+  context.progress("write", 1);
+  return response;
+}
+
+}  // namespace terrane

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ops/frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/validate.hpp"
+#include "ops/heights.hpp"
+#include "ops/measure.hpp"
+#include "ops/parameters.hpp"
+
+namespace terrane {
+namespace {
+
+/// Whole tiles of geographic CRSs beside each other, however their longitudes are counted.
+void unwrap(std::vector<Surface>& surfaces) {
+  std::vector<Surface*> tiles;
+  std::vector<Box> boxes;
+  for (Surface& s : surfaces)
+    if (!s.level() && s.crs.known() && s.crs.geographic() && box_of(s).xmin <= box_of(s).xmax)
+      tiles.push_back(&s), boxes.push_back(box_of(s));
+  if (tiles.size() < 2) return;
+  const auto shifts = unwrap_longitudes(boxes);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (shifts[i] == 0) continue;
+    if (Tin* tin = std::get_if<Tin>(&tiles[i]->value))
+      for (Point& p : tin->vertices) p.x += shifts[i];
+    else
+      std::get<Raster>(tiles[i]->value).x0 += shifts[i];
+  }
+}
+
+/// Rasters of one input and CRS that are pieces of one become one surface, which stands where the first did.
+void join_rasters(std::vector<Surface>& surfaces, bool join_overlaps, std::vector<InputRecord>& records) {
+  std::vector<Surface> joined;
+  std::vector<bool> done(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (done[i]) continue;
+    if (!std::holds_alternative<Raster>(surfaces[i].value)) {
+      joined.push_back(std::move(surfaces[i]));
+      continue;
+    }
+    std::vector<std::size_t> members;
+    std::vector<Raster> rasters;
+    for (std::size_t j = i; j < surfaces.size(); ++j) {
+      const Surface& s = surfaces[j];
+      if (done[j] || !std::holds_alternative<Raster>(s.value) || s.slot != surfaces[i].slot) continue;
+      if (s.crs.known() != surfaces[i].crs.known() || (s.crs.known() && s.crs.id() != surfaces[i].crs.id())) continue;
+      members.push_back(j);
+      done[j] = true;
+    }
+    if (members.size() == 1) {
+      joined.push_back(std::move(surfaces[i]));
+      continue;
+    }
+    for (std::size_t j : members) rasters.push_back(std::move(std::get<Raster>(surfaces[j].value)));
+    std::vector<int> groups;
+    auto pieces = join_on_lattice(rasters, join_overlaps, groups);
+    for (std::size_t g = 0; g < pieces.size(); ++g) {
+      Surface whole = surfaces[members.front()];
+      whole.value = std::move(pieces[g]);
+      whole.name.clear();
+      std::size_t count = 0;
+      for (std::size_t m = 0; m < members.size(); ++m)
+        if (groups[m] == static_cast<int>(g)) {
+          whole.name += (whole.name.empty() ? "" : " + ") + surfaces[members[m]].name;
+          if (++count == 1) whole.sha256 = surfaces[members[m]].sha256, whole.source = surfaces[members[m]].source;
+        }
+      for (std::size_t m = 0; m < members.size(); ++m)
+        if (groups[m] == static_cast<int>(g) && count > 1) records[members[m]].joined = whole.name;
+      joined.push_back(std::move(whole));
+    }
+  }
+  surfaces = std::move(joined);
+}
+
+void refuse_empty(const Surface& s, const Operation& operation) {
+  if (s.level() || !s.tin().faces.empty() || operation.intake.empty_allowed) return;
+  throw Error(ErrorKind::input, "empty-surface",
+              "input '" + s.name + "' has no faces, and '" + operation.id + "' needs a surface");
+}
+
+/// Where only some inputs know their vertical datum, how far apart the heights are where both have one.
+void warn_half_known_datum(const std::vector<Surface>& surfaces, Context& context) {
+  const Surface *known = nullptr, *unknown = nullptr;
+  for (const Surface& s : surfaces)
+    if (!s.level() && s.crs.known()) (s.crs.vertical_datum() == "unknown" ? unknown : known) = &s;
+  if (!known || !unknown) return;
+  std::vector<double> jumps;
+  const HeightField field(known->tin());
+  const auto& vertices = unknown->tin().vertices;
+  const std::size_t step = std::max<std::size_t>(1, vertices.size() / 2000);
+  for (std::size_t v = 0; v < vertices.size(); v += step)
+    if (const auto r = field.at(plan(vertices[v]), 0); r.found) jumps.push_back(vertices[v].z - r.height.low);
+  std::string difference = "they do not overlap, so the difference is not known";
+  if (!jumps.empty()) {
+    std::nth_element(jumps.begin(), jumps.begin() + jumps.size() / 2, jumps.end());
+    difference = "where they overlap the median difference is " + nlohmann::json(jumps[jumps.size() / 2]).dump();
+  }
+  context.warn({"vertical-datum-unknown", unknown->name, "",
+                "the heights of '" + known->name + "' refer to " + known->crs.vertical_datum() + ", those of '" +
+                    unknown->name + "' do not say; they are taken to be the same; " + difference,
+                "name it, as in crs=" + unknown->slot + ":EPSG:25831+5773"});
+}
+
+DemOptions dem_options(const Plan& plan, const Crs& crs) {
+  DemOptions options;
+  options.max_error = Length::of(plan.parameters.at("max-error")).in(crs.known() ? crs.metres_per_height_unit() : 1.0);
+  if (const auto it = plan.parameters.find("max-triangles"); it != plan.parameters.end() && !it->is_null())
+    options.max_triangles = it->get<std::size_t>();
+  return options;
+}
+
+struct Reprojection {
+  nlohmann::json from = nlohmann::json::array();
+  double planarity_error = 0;
+};
+
+void bring(Surface& s, const Crs& crs, const Plan& plan, Reprojection& moved, Context& context) {
+  if (crs.known() && differs(s.crs, crs)) {
+    const std::string from = s.crs.id();
+    if (std::find(moved.from.begin(), moved.from.end(), from) == moved.from.end()) moved.from.push_back(from);
+  }
+  if (const Raster* dem = std::get_if<Raster>(&s.value)) {
+    DemTin made = dem_tin(*dem, s.crs, crs, s.name, dem_options(plan, crs), context);
+    s.max_error = made.error;
+    moved.planarity_error = std::max(moved.planarity_error, made.planarity_error);
+    s.value = std::move(made.tin);
+  } else {
+    Tin tin = std::move(std::get<Tin>(s.value));
+    if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
+    move_to(tin, s.crs, crs, s.name, moved.planarity_error, context);
+    s.value = std::move(tin);
+  }
+}
+
+}  // namespace
+
+Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& context) {
+  const Operation& operation = *plan.operation;
+  assign_crs(surfaces, plan);
+  Frame frame;
+  frame.crs = choose_crs(surfaces, plan, context);
+  for (const Surface& s : surfaces) {
+    InputRecord record{s.slot, s.name, s.sha256, s.crs, {}, 0, 0, {}, "", std::holds_alternative<Raster>(s.value)};
+    if (s.level()) record.level = std::get<double>(s.value);
+    frame.inputs.push_back(std::move(record));
+    if (operation.intake.raster_only && !std::holds_alternative<Raster>(s.value))
+      throw Error(ErrorKind::input, "not-a-raster",
+                  "input '" + s.name + "' is a TIN already; '" + operation.id + "' takes a raster (use 'convert' for TINs)");
+  }
+  if (operation.intake.check) unwrap(surfaces);
+  if (operation.intake.join_rasters) join_rasters(surfaces, plan.parameters.value("overlap", "") != "sum", frame.inputs);
+
+  Reprojection moved;
+  for (Surface& s : surfaces) {
+    if (s.level()) continue;
+    bring(s, frame.crs, plan, moved, context);
+    refuse_empty(s, operation);
+    for (InputRecord& record : frame.inputs)
+      if (record.joined.empty() && record.name == s.name && record.slot == s.slot && record.sha256 == s.sha256) {
+        record.vertices = s.tin().vertices.size();
+        record.faces = s.tin().faces.size();
+        record.area_2d = domain_area(s.tin(), frame.crs);
+      }
+  }
+  if (operation.intake.check) warn_half_known_datum(surfaces, context);
+  for (Surface& s : surfaces) s.crs = frame.crs;
+  if (!moved.from.empty()) {
+    if (operation.intake.check) unwrap(surfaces);
+    frame.reprojection = {{"from", moved.from}, {"to", frame.crs.id()}, {"planarity_error", moved.planarity_error}};
+  }
+  return frame;
+}
+
+}  // namespace terrane

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ops/heights.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/predicates.hpp"
+#include "core/topology.hpp"
+
+namespace terrane {
+namespace {
+
+int cell_of(double value, double low, double size, int count) {
+  return std::clamp(static_cast<int>((value - low) / size), 0, count - 1);
+}
+
+/// The x-range of a triangle within a horizontal strip: long slivers must not fill the cells of their whole box.
+std::pair<double, double> strip_range(const std::array<Point2, 3>& t, double ylow, double yhigh) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  const auto take = [&](double x) { low = std::min(low, x), high = std::max(high, x); };
+  for (int k = 0; k < 3; ++k) {
+    const Point2 p = t[k], q = t[(k + 1) % 3];
+    if (p.y >= ylow && p.y <= yhigh) take(p.x);
+    for (double y : {ylow, yhigh})
+      if ((p.y < y) != (q.y < y)) take(p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y)));
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+HeightField::HeightField(const Tin& tin) : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
+  for (Index h : plan_topology(tin).border) border_[h] = true;
+  const double width = std::max(box_.xmax - box_.xmin, 0.0), height = std::max(box_.ymax - box_.ymin, 0.0);
+  const double side = std::sqrt(std::max(width * height, 1e-300) / std::max<std::size_t>(tin.faces.size() / 2, 1));
+  columns_ = static_cast<int>(std::clamp(width / side, 1.0, 4096.0));
+  rows_ = static_cast<int>(std::clamp(height / side, 1.0, 4096.0));
+  cell_x_ = width > 0 ? width / columns_ : 1;
+  cell_y_ = height > 0 ? height / rows_ : 1;
+
+  const auto for_cells = [&](auto visit) {
+    for (std::size_t f = 0; f < tin.faces.size(); ++f) {
+      if (is_wall(tin, tin.faces[f])) continue;
+      std::array<Point2, 3> t;
+      for (int k = 0; k < 3; ++k) t[k] = plan(tin.vertices[tin.faces[f][k]]);
+      const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
+      for (int r = cell_of(low, box_.ymin, cell_y_, rows_); r <= cell_of(high, box_.ymin, cell_y_, rows_); ++r) {
+        const double margin = 1e-9 * cell_y_, base = box_.ymin + r * cell_y_;
+        const auto [xlow, xhigh] = strip_range(t, base - margin, base + cell_y_ + margin);
+        if (!(xlow <= xhigh)) continue;
+        const int first = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
+        const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
+        for (int c = first; c <= last; ++c) visit(static_cast<std::size_t>(r) * columns_ + c, static_cast<Index>(f));
+      }
+    }
+  };
+  start_.assign(static_cast<std::size_t>(rows_) * columns_ + 1, 0);
+  for_cells([&](std::size_t cell, Index) { ++start_[cell + 1]; });
+  for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
+  faces_.resize(start_.back());
+  std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+  for_cells([&](std::size_t cell, Index face) { faces_[next[cell]++] = face; });
+}
+
+template <class Visit>
+void HeightField::visit_cells(Box box, Visit visit) const {
+  if (box.xmax < box_.xmin || box.xmin > box_.xmax || box.ymax < box_.ymin || box.ymin > box_.ymax) return;
+  for (int r = cell_of(box.ymin, box_.ymin, cell_y_, rows_); r <= cell_of(box.ymax, box_.ymin, cell_y_, rows_); ++r)
+    for (int c = cell_of(box.xmin, box_.xmin, cell_x_, columns_); c <= cell_of(box.xmax, box_.xmin, cell_x_, columns_); ++c) {
+      const std::size_t cell = static_cast<std::size_t>(r) * columns_ + c;
+      for (std::size_t i = start_[cell]; i < start_[cell + 1]; ++i) visit(faces_[i]);
+    }
+}
+
+/// The point of a face nearest to a place, its height, and whether the border is within the radius.
+HeightField::Hit HeightField::hit(Index face, Point2 place, double radius) const {
+  std::array<Point, 3> p;
+  for (int k = 0; k < 3; ++k) p[k] = tin_.vertices[tin_.faces[face][k]];
+  Hit best{std::numeric_limits<double>::infinity(), 0, false};
+  bool inside = true;
+  for (int k = 0; k < 3; ++k) {
+    const Point &a = p[k], &b = p[(k + 1) % 3];
+    if (orientation(plan(a), plan(b), place) < 0) inside = false;
+    const double ux = b.x - a.x, uy = b.y - a.y, wx = place.x - a.x, wy = place.y - a.y;
+    const double t = std::clamp((wx * ux + wy * uy) / (ux * ux + uy * uy), 0.0, 1.0);
+    const double dx = wx - t * ux, dy = wy - t * uy, distance2 = dx * dx + dy * dy;
+    if (distance2 <= radius * radius && border_[3 * static_cast<std::size_t>(face) + k]) best.border = true;
+    if (distance2 < best.distance2) best.distance2 = distance2, best.z = a.z + t * (b.z - a.z);
+  }
+  if (!inside) return best;
+  // Accurate weights, so that a place at a corner has the corner's height: never the plane of a sliver.
+  const double whole = area2_accurate(plan(p[0]), plan(p[1]), plan(p[2]));
+  double z = 0, sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double w = std::clamp(area2_accurate(plan(p[(k + 1) % 3]), plan(p[(k + 2) % 3]), place) / whole, 0.0, 1.0);
+    z += w * (p[k].z - p[0].z), sum += w;
+  }
+  best.distance2 = 0;
+  best.z = p[0].z + (sum > 0 ? z / sum : 0);
+  return best;
+}
+
+HeightField::Reading HeightField::at(Point2 place, double radius) const {
+  Reading reading;
+  visit_cells({place.x - radius, place.y - radius, place.x + radius, place.y + radius}, [&](Index face) {
+    const Hit h = hit(face, place, radius);
+    if (h.distance2 > radius * radius) return;
+    reading.border = reading.border || h.border;
+    reading.height.low = reading.found ? std::min(reading.height.low, h.z) : h.z;
+    reading.height.high = reading.found ? std::max(reading.height.high, h.z) : h.z;
+    reading.found = true;
+  });
+  return reading;
+}
+
+std::optional<double> HeightField::nearest(Point2 place) const {
+  for (double reach = 0; reach < 16; reach = reach == 0 ? 1 : 2 * reach) {
+    Hit best{std::numeric_limits<double>::infinity(), 0, false};
+    const double rx = reach * cell_x_, ry = reach * cell_y_;
+    visit_cells({place.x - rx, place.y - ry, place.x + rx, place.y + ry}, [&](Index face) {
+      const Hit h = hit(face, place, 0);
+      if (h.distance2 < best.distance2) best = h;
+    });
+    const double sure = std::min(rx, ry);
+    if (best.distance2 == 0 || best.distance2 <= sure * sure) return best.z;
+  }
+  return {};
+}
+
+}  // namespace terrane

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/tin.hpp"
+#include "ops/outcome.hpp"
+
+// Heights of a TIN at places, found without the overlay: the independent way by which results are checked.
+namespace terrane {
+
+class HeightField {
+ public:
+  /// Keeps a reference to the TIN. O(n log n), about 20 bytes per face.
+  explicit HeightField(const Tin& tin);
+
+  struct Reading {
+    bool found = false;   // a face lies within the radius
+    bool border = false;  // so does the border of the domain
+    HeightRange height;   // over the faces within the radius, at their nearest points
+  };
+  /// Heights at a place, or within `radius` of it. Walls are looked through.
+  Reading at(Point2 place, double radius) const;
+
+  /// The height of the nearest face among those near the place: for places a straight edge leaves outside.
+  std::optional<double> nearest(Point2 place) const;
+
+ private:
+  struct Hit {
+    double distance2, z;
+    bool border;
+  };
+  Hit hit(Index face, Point2 place, double radius) const;
+  template <class Visit>
+  void visit_cells(Box box, Visit visit) const;
+
+  const Tin& tin_;
+  std::vector<bool> border_;  // per half-edge 3 * face + corner
+  Box box_{};
+  int columns_ = 1, rows_ = 1;
+  double cell_x_ = 1, cell_y_ = 1;
+  std::vector<std::size_t> start_;  // per cell
+  std::vector<Index> faces_;
+};
+
+}  // namespace terrane

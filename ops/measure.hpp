@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "core/validate.hpp"
+#include "io/geodesy.hpp"
+
+// Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees.
+namespace terrane {
+
+/// The unit words of a CRS as reports name them.
+struct Units {
+  std::string length, height, area, volume;
+  double area_factor = 1;    // squared plan units, or m2 for degrees, -> `area`
+  double height_factor = 1;  // height units -> the length that `volume` is made of
+};
+Units units_of(const Crs& crs);
+
+/// The area of the domain in `units_of(crs).area`.
+double domain_area(const Tin& tin, const Crs& crs);
+
+struct Outline {
+  std::size_t edges = 0, loops = 0;
+  double length = 0;  // in the CRS's length unit, metres for degrees
+};
+/// The border of the domain.
+Outline outline(const Tin& tin, const Crs& crs);
+
+/// How much larger a face is in space than in plan, with heights in the CRS's own units: sqrt(1 + slope^2).
+double steepness(const Point& a, const Point& b, const Point& c, const Crs& crs);
+
+/// The area of the surface in space, in `units_of(crs).area`.
+double surface_area(const Tin& tin, const Crs& crs);
+
+/// The plan distance between two places in the CRS's length unit, metres for degrees.
+double distance(Point2 a, Point2 b, const Crs& crs);
+
+}  // namespace terrane

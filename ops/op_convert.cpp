@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ops/inputs.hpp"
+#include "ops/operations.hpp"
+#include "ops/parameters.hpp"
+
+namespace terrane {
+namespace {
+
+struct ConvertParameters {
+  void visit(Fields&) {}
+};
+
+Outcome run(std::vector<Surface>& inputs, const ConvertParameters&, Context&) {
+  Outcome outcome;
+  outcome.result = std::move(std::get<Tin>(input(inputs, "surface").value));
+  outcome.verify = false;
+  return outcome;
+}
+
+}  // namespace
+
+Operation convert() {
+  return operation<ConvertParameters>(
+      {.id = "convert",
+       .title = "Convert to another format",
+       .description = "The same TIN in another format, as it is: its vertices and faces in their order, not repaired.",
+       .inputs = {{"surface", 1, 1, false, "The surface: a TIN, or a raster, which is triangulated."}},
+       .intake = {.check = false, .empty_allowed = true}},
+      run);
+}
+
+}  // namespace terrane

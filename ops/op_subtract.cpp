@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/arithmetic.hpp"
+#include "core/volume.hpp"
+#include "ops/inputs.hpp"
+#include "ops/operations.hpp"
+#include "ops/parameters.hpp"
+
+namespace terrane {
+namespace {
+
+struct SubtractParameters {
+  Outside outside = Outside::drop;
+  Seam seam = Seam::wall;
+  bool allow_empty = false;
+
+  void visit(Fields& f) {
+    f.choice("outside", outside, {{"drop", Outside::drop}, {"zero", Outside::zero}},
+             "What is returned where only one surface exists: nothing, or the difference with the missing one at height 0.");
+    f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
+             "What happens where heights jump at the border of the overlap: closed by vertical faces, or left open.");
+    f.boolean("allow-empty", allow_empty, "Return an empty surface, with a warning, where the two do not overlap.");
+  }
+};
+
+HeightFold difference_of_heights(Outside outside) {
+  return [outside](const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
+    if (z[0] && z[1]) return HeightRange{z[0]->low - z[1]->high, z[0]->high - z[1]->low};
+    if (outside == Outside::drop) return {};
+    if (z[0]) return z[0];
+    if (z[1]) return HeightRange{-z[1]->high, -z[1]->low};
+    return {};
+  };
+}
+
+Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& context) {
+  Surface &minuend = input(inputs, "minuend"), &subtrahend = input(inputs, "subtrahend");
+  Outcome outcome;
+  if (subtrahend.level()) {
+    outcome.result = offset(std::move(std::get<Tin>(minuend.value)), -std::get<double>(subtrahend.value));
+    return outcome;
+  }
+  warn_feet_beside_metres(minuend, subtrahend, context);
+  // The overlap, measured on its own, is what the difference's area is held against.
+  const Volume between = volume(minuend.tin(), subtrahend.tin(), 0, nullptr, context);
+  if (!(between.overlap_area_2d > 0)) {
+    if (!p.allow_empty) refuse_no_overlap(minuend, subtrahend);
+    if (p.outside == Outside::drop) warn_no_overlap(minuend, subtrahend, context);
+  }
+  Assembled difference = combine(minuend.tin(), subtrahend.tin(), -1, p.outside, {p.seam, 0}, context);
+  outcome.expected_area = between.overlap_area_2d;
+  if (p.outside == Outside::zero)
+    *outcome.expected_area += between.surface_only_area_2d + between.reference_only_area_2d;
+  outcome.expected_height = difference_of_heights(p.outside);
+  outcome.rounding = difference.rounding;
+  outcome.result = std::move(difference.tin);
+  return outcome;
+}
+
+}  // namespace
+
+Operation subtract() {
+  return operation<SubtractParameters>(
+      {.id = "subtract",
+       .title = "Subtract one surface from another",
+       .description = "The surface whose height is the minuend's minus the subtrahend's wherever both exist: exact "
+                      "everywhere, not only at vertices.",
+       .inputs = {{"minuend", 1, 1, false, "The surface to subtract from: a TIN or a raster."},
+                  {"subtrahend", 1, 1, true, "The surface that is subtracted: a TIN, a raster, or a number."}}},
+      run);
+}
+
+}  // namespace terrane

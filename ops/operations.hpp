@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ops/operation.hpp"
+
+// The operations, one file each (ops/op_*.cpp); the catalogue lists them in the order of the documentation.
+namespace terrane {
+
+Operation add();
+Operation subtract();
+Operation merge_operation();
+Operation volume_operation();
+Operation triangulate_operation();
+Operation render();
+Operation transform_operation();
+Operation validate();
+Operation info();
+Operation convert();
+
+}  // namespace terrane
