@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <thread>
 
 #include "core/error.hpp"
 #include "ops/operation.hpp"
@@ -59,14 +60,6 @@ std::string document_value(const Response& response) {
 
 std::string report_text(const nlohmann::json& report) {
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-/// The name of the result among the outputs that the description lists; the other one is the report.
-std::string result_name(const nlohmann::json& outputs) {
-  for (const auto& item : outputs.items()) {
-    if (item.key() != "report" && item.key() != "certificate") return item.key();
-  }
-  return outputs.empty() ? "result" : outputs.begin().key();
 }
 
 /// When the service has to stop, a client that still waits is told to come back.
@@ -127,6 +120,7 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
 
   const Plan checked = plan(std::move(ask.request));
   Context context;
+  context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   bool is_gone = false;
   context.on_progress = [&, last = Clock::now()](std::string_view, double) mutable {
     if (Clock::now() - last < std::chrono::milliseconds(200)) return;
@@ -159,9 +153,13 @@ Reply Service::reply_of(const Operation& operation, const Ask& ask, Response&& r
     reply.body = std::move(response.body);
     return reply;
   }
-  const std::string name = result_name(process_description(operation)["outputs"]);
+  // An operation has one output of its own; a report already holds its certificate.
+  const nlohmann::json outputs = process_description(operation)["outputs"];
+  const std::string certificate =
+      response.report.contains("certificate") ? report_text(response.report["certificate"]) : report;
   reply.media_type = "application/json";
-  reply.body = "{" + nlohmann::json(name).dump() + ":" + document_value(response) + ",\"report\":" + report + "}\n";
+  reply.body = "{" + nlohmann::json(outputs.begin().key()).dump() + ":" + document_value(response) +
+               ",\"certificate\":" + certificate + "}\n";
   return reply;
 }
 

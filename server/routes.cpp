@@ -11,6 +11,7 @@
 #include <httplib.h>
 
 #include "core/error.hpp"
+#include "server/chunk_guard.hpp"
 #include "server/connection.hpp"
 #include "server/request_log.hpp"
 
@@ -32,6 +33,7 @@ struct Exchange {
   Connection::Clock::time_point start = Connection::Clock::now();
   bool has_header = false;  // the library understood the request line and the header
   bool has_body = false, body_is_read = false;
+  std::optional<ChunkGuard> chunks;  // of a body that comes in chunks
   std::size_t bytes_in = 0;
   std::string failure;  // what the client is not told, for the log
   bool must_close() const { return !has_header || (has_body && !body_is_read); }
@@ -44,7 +46,11 @@ class LibraryStream : public httplib::Stream {
   explicit LibraryStream(Connection& connection) : connection_(connection) {}
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
-  ssize_t read(char* to, size_t size) override { return connection_.read(to, size); }
+  ssize_t read(char* to, size_t size) override {
+    const ssize_t n = connection_.read(to, size);
+    auto& chunks = current->chunks;
+    return n > 0 && chunks && !chunks->accepts({to, static_cast<size_t>(n)}) ? -1 : n;
+  }
   ssize_t write(const char* from, size_t size) override { return connection_.write(from, size); }
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
     ip = connection_.remote_address();
@@ -79,6 +85,7 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   const bool unsaid =
       lengths + codings == 0 && (call.method == "POST" || call.method == "PUT" || call.method == "PATCH");
   exchange.has_body = codings > 0 || unsaid || (lengths > 0 && call.content_length != "0");
+  if (codings > 0) exchange.chunks.emplace();
   exchange.id = request_id(request.get_header_value("X-Request-Id"));
   // Its multipart parser has no limits, its ranges no bounds.
   request.headers.erase("Content-Type");
@@ -119,8 +126,8 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
       sink({data, size});
       return true;
     });
-    exchange.body_is_read = complete;
-    return complete;
+    exchange.body_is_read = complete && (!exchange.chunks || exchange.chunks->is_complete());
+    return exchange.body_is_read;
   };
   try {
     fill(response, service.execute(exchange.call, body, [&] { return exchange.connection.peer_is_gone(); }));

@@ -68,7 +68,8 @@ TEST(ExecuteRequest, JsonInputsOfEveryKind) {
 
 TEST(ExecuteRequest, TheOutputsFormatIsWhatIsAccepted) {
   std::string name;
-  for (const auto& output : process_description(merge())["outputs"].items()) {
+  const nlohmann::json description = process_description(merge());
+  for (const auto& output : description["outputs"].items()) {
     if (output.key() != "report") name = output.key();
   }
   const Ask ask = ask_from_json(

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Resources, executions by form and by JSON, formats, certificates; and the same bytes as the command line."""
+import base64
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+from service import TERRANE, File, Service
+from terrains import UTM, ascii_grid, plan_area, read_obj, square_obj, square_tin
+
+WEST = square_obj(0, 0, 100, 10)
+EAST = square_obj(60, 0, 100, 20)
+
+
+def setUpModule():
+    global service
+    service = Service()
+
+
+def tearDownModule():
+    code = service.close()
+    assert code == 0, f"exit code {code} after SIGTERM"
+
+
+def query(**parameters):
+    return "?" + "&".join(f"{name.replace('_', '-')}={value}" for name, value in parameters.items())
+
+
+MERGE_QUERY = query(f="obj", overlap="mean", assume_crs="EPSG:25831")
+
+
+class Resources(unittest.TestCase):
+    def test_every_resource_is_json(self):
+        for path in "/", "/health", "/ready", "/processes", "/conformance":
+            answer = service.get(path)
+            self.assertEqual(answer.status, 200, path)
+            self.assertEqual(answer.media_type, "application/json", path)
+            answer.json()
+
+    def test_links_of_the_landing_page_lead_somewhere(self):
+        links = service.get("/").json()["links"]
+        relations = {link["rel"] for link in links}
+        self.assertLessEqual({"self", "service-desc", "http://www.opengis.net/def/rel/ogc/1.0/conformance",
+                              "http://www.opengis.net/def/rel/ogc/1.0/processes"}, relations)
+        prefix = f"http://127.0.0.1:{service.port}"
+        for link in links:
+            self.assertTrue(link["href"].startswith(prefix), link)
+            answer = service.get(link["href"][len(prefix):], Accept=link["type"])
+            self.assertEqual(answer.status, 200, link)
+            self.assertEqual(answer.media_type.split(";")[0], link["type"].split(";")[0])
+
+    def test_browsers_get_a_page(self):
+        answer = service.get("/", Accept="text/html,application/xhtml+xml,*/*;q=0.8")
+        self.assertTrue(answer.media_type.startswith("text/html"))
+        self.assertIn(b"/processes/merge", answer.body)
+        self.assertTrue(service.get("/?f=html").media_type.startswith("text/html"))
+        self.assertEqual(service.get("/?f=json", Accept="text/html").media_type, "application/json")
+        self.assertEqual(service.get("/", Accept="*/*").media_type, "application/json")
+
+    def test_processes_are_described(self):
+        processes = service.get("/processes").json()["processes"]
+        ids = [process["id"] for process in processes]
+        self.assertLessEqual({"add", "subtract", "merge", "volume", "triangulate", "validate", "info", "convert",
+                              "transform", "render"}, set(ids))
+        for process in processes:
+            description = service.get("/processes/" + process["id"]).json()
+            self.assertEqual(description["id"], process["id"])
+            self.assertIn("inputs", description)
+            self.assertIn("outputs", description)
+            self.assertIn("sync-execute", description["jobControlOptions"])
+        self.assertIn("tiles", service.get("/processes/merge").json()["inputs"])
+
+    def test_openapi_names_what_is_there(self):
+        document = service.get("/openapi.json").json()
+        self.assertTrue(document["openapi"].startswith("3.1"))
+        for path, methods in document["paths"].items():
+            if "{" in path:
+                continue
+            for method in methods:
+                if method == "get":
+                    self.assertLess(service.get(path).status, 400, path)
+                elif method == "post":
+                    self.assertNotIn(service.request("POST", path, b"", {}).status, (404, 405), path)
+
+    def test_nothing_untrue_is_claimed(self):
+        # Each class of the standard needs its core, and the core has jobs.
+        self.assertEqual(service.get("/conformance").json(), {"conformsTo": []})
+        self.assertEqual(service.get("/jobs").status, 404)
+
+    def test_head_and_options(self):
+        answer = service.request("HEAD", "/processes")
+        self.assertEqual((answer.status, answer.body), (200, b""))
+        self.assertEqual(int(answer.headers["Content-Length"]), len(service.get("/processes").body))
+        self.assertEqual(service.request("OPTIONS", "/processes/merge/execution").headers["Allow"], "POST, OPTIONS")
+
+    def test_request_ids_go_in_and_out(self):
+        self.assertEqual(service.get("/health", X_Request_Id="abc-1.2").headers["X-Request-Id"], "abc-1.2")
+        made = service.get("/health", X_Request_Id='"; drop').headers["X-Request-Id"]
+        self.assertRegex(made, "^[0-9a-f]{32}$")
+        self.assertRegex(service.get("/nothing").headers["X-Request-Id"], "^[0-9a-f]{32}$")
+
+    def test_one_json_line_per_request(self):
+        service.request("GET", "/health", headers={"X-Request-Id": "find-me"})
+        lines = [json.loads(line) for line in service.log_text().splitlines()]
+        mine = [line for line in lines if line["request_id"] == "find-me"]
+        self.assertEqual(len(mine), 1)
+        self.assertEqual((mine[0]["method"], mine[0]["path"], mine[0]["status"]), ("GET", "/health", 200))
+
+
+class Executions(unittest.TestCase):
+    def merged(self, *parts):
+        return service.post_form("merge", [("tiles", part) for part in parts], MERGE_QUERY)
+
+    def test_merge_by_form(self):
+        answer = self.merged(File("west.obj", WEST), File("east.obj", EAST))
+        self.assertEqual(answer.status, 200, answer.body)
+        self.assertEqual(answer.media_type, "model/obj")
+        self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="merge.obj"')
+        vertices, faces = read_obj(answer.body)
+        self.assertAlmostEqual(plan_area(vertices, faces), 160 * 100, places=6)
+        self.assertEqual({z for _, _, z in vertices}, {10, 15, 20})
+        self.assertRegex(answer.headers["Terrane-Warnings"], "^[0-9]+$")
+        self.assertIn("work;dur=", answer.headers["Server-Timing"])
+
+    def test_the_certificate_is_linked(self):
+        answer = self.merged(File("west.obj", WEST), File("east.obj", EAST))
+        link = answer.headers["Link"]
+        self.assertIn('rel="describedby"', link)
+        certificate = service.get(link[link.index("<") + 1:link.index(">")])
+        self.assertEqual(certificate.status, 200)
+        value = certificate.json()
+        self.assertEqual(value["type"], "Certificate")
+        self.assertEqual([i["name"] for i in value["inputs"]], ["west.obj", "east.obj"])
+        self.assertEqual(value["topology"]["inverted"], 0)
+        self.assertEqual(len(value["warnings"]), int(answer.headers["Terrane-Warnings"]))
+
+    def test_the_same_bytes_by_form_json_and_command_line(self):
+        by_form = self.merged(File("west.obj", WEST), File("east.obj", EAST))
+        inputs = {"tiles": [{"value": base64.b64encode(t.encode()).decode(), "encoding": "base64", "mediaType": "model/obj"}
+                            for t in (WEST, EAST)], "overlap": "mean", **UTM}
+        self.assertEqual(service.post_json("merge", {"inputs": inputs}, "?f=obj").body, by_form.body)
+        inline = {"inputs": {"tiles": [square_tin(0, 0, 100, 10), square_tin(60, 0, 100, 20)], "overlap": "mean", **UTM},
+                  "outputs": {"surface": {"format": {"mediaType": "model/obj"}}}}
+        self.assertEqual(service.post_json("merge", inline).body, by_form.body)
+        fields = [("tiles", File("w", WEST)), ("overlap", "mean"), ("tiles", File("e", EAST)), ("f", "obj"),
+                  ("assume-crs", "EPSG:25831")]
+        self.assertEqual(service.post_form("merge", fields).body, by_form.body)
+        with tempfile.TemporaryDirectory() as folder:
+            names = []
+            for name, text in ("west.obj", WEST), ("east.obj", EAST):
+                names.append(os.path.join(folder, name))
+                with open(names[-1], "w", encoding="utf-8") as file:
+                    file.write(text)
+            out = os.path.join(folder, "out.obj")
+            run = subprocess.run([TERRANE, "merge", *names, "--overlap", "mean", "--assume-crs", "EPSG:25831", "-o", out,
+                                  "--quiet"], capture_output=True, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(out, "rb") as file:
+                self.assertEqual(file.read(), by_form.body)
+
+    def test_compressed_bodies_are_the_same(self):
+        import gzip
+        request = json.dumps({"inputs": {"tiles": [square_tin(0, 0, 100, 10)], **UTM}}).encode()
+        plain = service.post_json("merge", request)
+        packed = service.post_json("merge", gzip.compress(request), headers={"Content-Encoding": "gzip"})
+        self.assertEqual((packed.status, packed.body), (200, plain.body))
+
+    def test_f_overrides_accept_and_accept_decides_else(self):
+        tiles = [("tiles", File("west.obj", WEST)), ("assume-crs", "EPSG:25831")]
+        for accept, expected in (("model/ply", "model/ply"), ("model/obj;q=0.5, model/ply", "model/ply"),
+                                 ("*/*", "application/json"), ("application/json", "application/json"),
+                                 ("image/png, model/*", None)):
+            answer = service.post_form("merge", tiles, headers={"Accept": accept})
+            self.assertEqual(answer.status, 200, accept)
+            if expected:
+                self.assertEqual(answer.media_type, expected, accept)
+            else:
+                self.assertTrue(answer.media_type.startswith("model/"), accept)
+        answer = service.post_form("merge", tiles, "?f=obj", headers={"Accept": "image/png"})
+        self.assertEqual((answer.status, answer.media_type), (200, "model/obj"))
+
+    def test_documents_hold_result_and_certificate(self):
+        request = {"inputs": {"tiles": [square_tin(0, 0, 100, 10)], **UTM}, "response": "document",
+                   "outputs": {"surface": {"format": {"mediaType": "model/obj"}}}}
+        answer = service.post_json("merge", request)
+        self.assertEqual((answer.status, answer.media_type), (200, "application/json"))
+        document = answer.json()
+        self.assertEqual(document["surface"]["mediaType"], "model/obj")
+        self.assertTrue(document["surface"]["value"].startswith("#"))
+        self.assertEqual(document["certificate"]["type"], "Certificate")
+        request["outputs"]["surface"]["format"]["mediaType"] = "application/json"
+        self.assertEqual(service.post_json("merge", request).json()["surface"]["value"]["type"], "TIN")
+        request["outputs"]["surface"]["format"]["mediaType"] = "model/ply"
+        value = service.post_json("merge", request).json()["surface"]
+        self.assertEqual(value["encoding"], "base64")
+        self.assertTrue(base64.b64decode(value["value"], validate=True).startswith(b"ply"))
+
+    def test_levels_are_surfaces(self):
+        difference = service.post_json("subtract", {"inputs": {
+            "minuend": square_tin(0, 0, 100, 10, 4), "subtrahend": 2.5, **UTM}}, "?f=obj")
+        self.assertEqual(difference.status, 200, difference.body)
+        self.assertEqual({z for _, _, z in read_obj(difference.body)[0]}, {7.5, 11.5})
+        by_form = service.post_form("subtract", [
+            ("minuend", File("a.obj", square_obj(0, 0, 100, 10, 4))), ("subtrahend", "2.5")],
+            "?f=obj&assume-crs=EPSG:25831")
+        self.assertEqual(by_form.body, difference.body)
+
+    def test_a_volume_report(self):
+        answer = service.post_json("volume", {"inputs": {
+            "surface": square_tin(0, 0, 100, 10), "reference": square_tin(0, 0, 100, 8), **UTM}})
+        self.assertEqual(answer.status, 200, answer.body)
+        row = answer.json()["rows"][0]
+        self.assertAlmostEqual(row["fill"]["volume"], 20000, places=6)
+        self.assertEqual(row["cut"]["volume"], 0)
+        self.assertAlmostEqual(row["net_volume"], 20000, places=6)
+        table = service.post_json("volume", {"inputs": {"surface": square_tin(0, 0, 100, 10), "reference": 8, **UTM}}, "?f=csv")
+        self.assertEqual(table.status, 200)
+        self.assertTrue(table.media_type.startswith("text/csv"))
+
+    def test_a_raster_and_a_picture(self):
+        grid = ascii_grid(20, 20, lambda c, r: c * r)
+        mesh = service.post_form("triangulate", [("dem", File("dem.asc", grid))], "?f=obj&assume-crs=EPSG:25831")
+        self.assertEqual(mesh.status, 200, mesh.body)
+        vertices, faces = read_obj(mesh.body)
+        self.assertEqual((len(vertices), len(faces)), (400, 722))
+        picture = service.post_form("render", [("surface", File("dem.asc", grid))], "?assume-crs=EPSG:25831")
+        self.assertEqual((picture.status, picture.media_type), (200, "image/png"), picture.body[:300])
+        self.assertTrue(picture.body.startswith(b"\x89PNG"))
+
+    def test_the_media_type_or_the_name_or_the_magic_tells_the_format(self):
+        for part in (File("x", WEST, "model/obj"), File("west.obj", WEST), File("x", WEST)):
+            answer = self.merged(part, File("east.obj", EAST))
+            self.assertEqual(answer.status, 200, (part.name, part.media_type, answer.body))
+
+    def test_connections_are_kept(self):
+        import http.client
+        connection = http.client.HTTPConnection(service.host, service.port, timeout=20)
+        for _ in range(20):
+            connection.request("GET", "/health")
+            first = connection.sock
+            self.assertEqual(connection.getresponse().read().strip()[:1], b"{")
+            self.assertIs(connection.sock, first)
+        connection.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
