@@ -31,6 +31,8 @@ class Mover {
 
   /// Moves points in place; those that cannot be become NaN.
   void move(Point* points, std::size_t count) const;
+  /// False when planes stay planes: units change, nothing else.
+  bool bends() const { return there_ != nullptr; }
   bool shifts_heights() const { return shift_heights_; }
   bool converts_height_units() const { return !shift_heights_ && height_factor_ != 1; }
 
@@ -234,7 +236,7 @@ Tin transform(const Tin& tin, const Crs& from, const Crs& to, double* planarity_
                                                          "; choose a target-crs that covers the data");
   }
   if (to.geographic() && !from.same_plan(to)) rejoin_longitudes(out.vertices);
-  if (planarity_error) *planarity_error = measure_planarity(tin, out, mover, to.geographic(), context);
+  if (planarity_error) *planarity_error = !mover.bends() ? 0 : measure_planarity(tin, out, mover, to.geographic(), context);
   return out;
 }
 

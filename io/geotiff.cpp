@@ -10,6 +10,7 @@
 #include "io/format_list.hpp"
 #include "io/gdal.hpp"
 #include "io/text.hpp"
+#include "io/tiff_directory.hpp"
 
 // GeoTIFF and COG, through GDAL. Everything that costs memory is checked against the bytes that are there before it is read.
 namespace terrane {
@@ -31,6 +32,7 @@ class TiffReader {
     const char* siblings[] = {nullptr};
     dataset_.reset(static_cast<GDALDataset*>(
         GDALOpenEx(file_.name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, open_options, siblings)));
+    if (dataset_ && !tiff_directory_complete(bytes_)) bad("truncated", "its directory points beyond its end; send the file again");
     if (!dataset_) bad("wrong-magic", "this is no TIFF that can be read, or it is cut off; send the file again");
     check_size();
     band_ = dataset_->GetRasterBand(1);

@@ -86,7 +86,7 @@ TEST(GeoTiff, BadOnesAreRefused) {
 
 TEST(GeoTiff, CutAnywhereItIsRefused) {
   const std::string bytes = tiff(3, 2, six);
-  for (std::size_t length = 0; length < bytes.size() - 16; ++length) {
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
     const Error error = complaint("tif", std::string_view(bytes).substr(0, length));
     EXPECT_EQ(error.kind, ErrorKind::input) << length << ": " << error.what();
   }
@@ -151,7 +151,7 @@ TEST(AsciiGrid, ReadsCornersAndCentres) {
 }
 
 TEST(AsciiGrid, BadOnesAreRefused) {
-  EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3\n4 5"), "truncated", "row 1, column 2");
+  EXPECT_COMPLAINT(complaint("asc", grid + "1.25 2.25 3.25\n4 5"), "truncated", "row 1, column 2");
   EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3\n4 5 6 7"), "bad-grid", "");
   for (const char* number : {"nan", "inf", "1e400", "x", "1,5"}) EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3 4 " + number + " 6"), "bad-number", "row 1, column 1");
   EXPECT_COMPLAINT(complaint("asc", ""), "bad-header", "ncols");
