@@ -9,8 +9,8 @@
 
 namespace terrane {
 
-/// Triangles by the error of their worst sample, largest first to within 1 part in 256: buckets of the upper bits of a float,
-/// newest first within a bucket. Every step O(1); what is taken depends on the order of calls alone.
+/// Triangles by the error of their worst sample, largest first to within 1 part in 256: buckets of the upper bits of a
+/// float, newest first within a bucket. Every step O(1); what is taken depends on the order of calls alone.
 class GreedyQueue {
  public:
   GreedyQueue() : head_(buckets, none), words_(buckets / 64, 0) {}

@@ -7,8 +7,8 @@
 
 #include "core/tin.hpp"
 
-// A constrained Delaunay triangulation on integer places. Sums and products of lattice places are exact in 64 bits (128 for
-// the in-circle test of very large lattices), so no decision can fail.
+// A constrained Delaunay triangulation on integer places. Sums and products of lattice places are exact in 64 bits (128
+// for the in-circle test of very large lattices), so no decision can fail.
 namespace terrane {
 
 /// Column and row of a sample; y counts upwards, so that counter-clockwise here is counter-clockwise on the map.
@@ -38,12 +38,13 @@ class LatticeMesh {
   /// The rectangle of a lattice as two triangles.
   LatticeMesh(int width, int height);
 
-  /// Cuts the mesh down to the domain that `edges` enclose. Edges must not cross nor pass through a vertex. The first four
-  /// points of the mesh are the rectangle's corners, used or not. Expected O(n log n) for border vertices as they occur.
+  /// Cuts the mesh down to the domain that `edges` enclose. Edges must not cross nor pass through a vertex. The first
+  /// four points of the mesh are the rectangle's corners, used or not. Expected O(n log n) for border vertices as they
+  /// occur.
   void cut_out(const std::vector<LatticePoint>& border, const std::vector<LatticeEdge>& edges);
 
-  /// Inserts p, which lies in triangle t or on its edge and is no vertex, and restores the Delaunay property. Returns one
-  /// triangle around p; all changed triangles lie around p and have it as v[0].
+  /// Inserts p, which lies in triangle t or on its edge and is no vertex, and restores the Delaunay property. Returns
+  /// one triangle around p; all changed triangles lie around p and have it as v[0].
   Index insert(LatticePoint p, Index t);
 
   /// Calls visit(triangle) for all triangles around v[0] of t, which must be v[0] of all of them.
@@ -71,9 +72,9 @@ class LatticeMesh {
   bool enforce(Index u, Index v);
   void keep_inside(const std::vector<std::array<Index, 2>>& border);
 
-  bool wide_;                      // the in-circle test needs 128 bits
-  std::vector<Index> pending_;     // triangles whose edge opposite v[0] is to be tested
-  std::vector<Index> triangle_of_; // any triangle of a vertex; only while cutting out
+  bool wide_;                       // the in-circle test needs 128 bits
+  std::vector<Index> pending_;      // triangles whose edge opposite v[0] is to be tested
+  std::vector<Index> triangle_of_;  // any triangle of a vertex; only while cutting out
 };
 
 }  // namespace terrane

@@ -88,8 +88,8 @@ inline void for_each_row(const std::array<LatticePoint, 3>& p, const std::array<
   }
 }
 
-/// max |z[k] - (base + slope * k)| for k < n. Sums and products are the same in every lane and at every n, so that the result
-/// is the same on every machine.
+/// max |z[k] - (base + slope * k)| for k < n. Sums and products are the same in every lane and at every n, so that the
+/// result is the same on every machine.
 template <class T>
 inline T worst_in_row(const T* z, T base, T slope, std::int32_t n) {
   constexpr int lanes = 16 / sizeof(T);

@@ -80,9 +80,8 @@ std::vector<int> order_by_content(const std::vector<Raster>& tiles) {
     const auto ka = std::tuple(a.x0, -a.y0, a.width, a.height, a.dx, a.dy);
     const auto kb = std::tuple(b.x0, -b.y0, b.width, b.height, b.dx, b.dy);
     if (ka != kb) return ka < kb;
-    return std::lexicographical_compare(
-        a.samples.begin(), a.samples.end(), b.samples.begin(), b.samples.end(),
-        [](double p, double q) { return std::isnan(q) ? !std::isnan(p) : p < q; });
+    return std::lexicographical_compare(a.samples.begin(), a.samples.end(), b.samples.begin(), b.samples.end(),
+                                        [](double p, double q) { return std::isnan(q) ? !std::isnan(p) : p < q; });
   });
   return order;
 }
@@ -125,7 +124,8 @@ class Joiner {
 
   const Group& group_of(int rank) const { return groups_[group_of_[rank]]; }
 
-  /// The one raster of a group. Its lattice is that of the member that comes first, its corner that of the members there.
+  /// The one raster of a group. Its lattice is that of the member that comes first, its corner that of the members
+  /// there.
   Raster mosaic(const Group& group) const {
     const Raster& lead = *tiles_[group.members.front()];
     Raster r;

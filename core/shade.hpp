@@ -23,7 +23,9 @@ struct ShadeOptions {
   double x_factor = 1;          // cos(latitude) for geographic CRSs, so that the picture is not stretched
 };
 
-/// A hillshade tinted by elevation, seen from above; walls do not show. Orientation: north up. O(faces + pixels).
+/// A hillshade tinted by elevation (below 0: blues), seen from above; walls do not show. Orientation: north up. Gentle
+/// relief is drawn up to 6 times as steep as it is, steep relief as it is. An empty TIN has a picture of 0 x 0.
+/// O(faces + pixels).
 Picture hillshade(const Tin& tin, const ShadeOptions& options, Context& context);
 
 }  // namespace terrane

@@ -12,8 +12,8 @@ namespace terrane {
 
 namespace {
 
-/// Four levels of the Hilbert curve at a time: state (0..3) and four bits of x and of y give eight bits of the key and the
-/// next state. Bit 0 of a state: x and y swapped; bit 1: both mirrored.
+/// Four levels of the Hilbert curve at a time: state (0..3) and four bits of x and of y give eight bits of the key and
+/// the next state. Bit 0 of a state: x and y swapped; bit 1: both mirrored.
 struct HilbertTable {
   std::uint8_t key[4][256] = {};
   std::uint8_t next[4][256] = {};
@@ -72,8 +72,8 @@ bool before(const Point& a, const Point& b) {
   return ordered(a.z) < ordered(b.z);
 }
 
-/// Sorts by key, then by coordinates. Three radix passes settle the upper 33 bits, which tell most vertices apart; the few
-/// that share them are compared.
+/// Sorts by key, then by coordinates. Three radix passes settle the upper 33 bits, which tell most vertices apart; the
+/// few that share them are compared.
 void sort_keyed(std::vector<Keyed>& keyed, const std::vector<Point>& points) {
   constexpr int bits = 11, buckets = 1 << bits;
   std::vector<Keyed> other(keyed.size());
@@ -153,8 +153,8 @@ Tin canonical(const Tin& tin) {
   std::vector<Index> rank(tin.vertices.size(), none);
   for (const Keyed& k : order) {
     const Point& p = tin.vertices[k.vertex];
-    // Vertices alike in all coordinates become one: no order among them could be told from the surface. Adding 0 turns -0
-    // into 0, which equals it but would be other bytes.
+    // Vertices alike in all coordinates become one: no order among them could be told from the surface. Adding 0 turns
+    // -0 into 0, which equals it but would be other bytes.
     if (result.vertices.empty() || !(result.vertices.back() == p)) {
       result.vertices.push_back({p.x + 0.0, p.y + 0.0, p.z + 0.0});
     }

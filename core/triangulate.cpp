@@ -32,12 +32,13 @@ void check_lattice(const Raster& dem) {
 }
 
 void check_heights(const Raster& dem) {
-  const auto wrong = std::find_if(dem.samples.begin(), dem.samples.end(), [](double z) { return std::fabs(z) > 1e150; });
+  const auto wrong =
+      std::find_if(dem.samples.begin(), dem.samples.end(), [](double z) { return std::fabs(z) > 1e150; });
   if (wrong == dem.samples.end()) return;
   const auto place = wrong - dem.samples.begin();
   throw Error(ErrorKind::input, "not-finite",
-              "the sample in row " + std::to_string(place / dem.width) + ", column " + std::to_string(place % dem.width) +
-                  " is no height; declare it as NoData or mend it");
+              "the sample in row " + std::to_string(place / dem.width) + ", column " +
+                  std::to_string(place % dem.width) + " is no height; declare it as NoData or mend it");
 }
 
 }  // namespace

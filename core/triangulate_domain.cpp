@@ -64,11 +64,20 @@ class BorderFinder {
   template <class Visit>
   void diagonal(int x, int y, Visit visit) const {
     switch (cell(x, y)) {
-      case right | top: visit(x, y + 1, x + 1, y); break;
-      case top | left: visit(x, y, x + 1, y + 1); break;
-      case bottom | right: visit(x + 1, y + 1, x, y); break;
-      case bottom | left: visit(x + 1, y, x, y + 1); break;
-      default: break;
+      case right | top:
+        visit(x, y + 1, x + 1, y);
+        break;
+      case top | left:
+        visit(x, y, x + 1, y + 1);
+        break;
+      case bottom | right:
+        visit(x + 1, y + 1, x, y);
+        break;
+      case bottom | left:
+        visit(x + 1, y, x, y + 1);
+        break;
+      default:
+        break;
     }
   }
 
@@ -119,8 +128,9 @@ class BorderFinder {
         int b = a;
         while (b + 1 < length && exists(place(b + 1)[0], place(b + 1)[1])) ++b;
         if (exists(place(a)[0], place(a)[1]) && b > a) {
-          thin(b - a, [&](int k) { return z(place(a + k)[0], place(a + k)[1]); },
-               [&](int k) { state(place(a + k)[0], place(a + k)[1]) |= kept_bit; });
+          thin(
+              b - a, [&](int k) { return z(place(a + k)[0], place(a + k)[1]); },
+              [&](int k) { state(place(a + k)[0], place(a + k)[1]) |= kept_bit; });
         }
         a = b + 1;
       }
@@ -133,7 +143,8 @@ class BorderFinder {
   void emit(int x, int y, bool along_row, int n, bool forward) {
     const auto place = [&](int k) { return along_row ? std::array{x + k, y} : std::array{x, y + k}; };
     std::vector<int> kept{0, n};
-    thin(n, [&](int k) { return z(place(k)[0], place(k)[1]); }, [&](int k) { kept.push_back(k); });
+    thin(
+        n, [&](int k) { return z(place(k)[0], place(k)[1]); }, [&](int k) { kept.push_back(k); });
     std::sort(kept.begin(), kept.end());
     for (std::size_t i = 0; i + 1 < kept.size(); ++i) {
       const auto p = place(kept[i]), q = place(kept[i + 1]);
@@ -141,7 +152,9 @@ class BorderFinder {
     }
   }
 
-  void add(std::array<int, 2> from, std::array<int, 2> to) { edges_.push_back({key(from[0], from[1]), key(to[0], to[1])}); }
+  void add(std::array<int, 2> from, std::array<int, 2> to) {
+    edges_.push_back({key(from[0], from[1]), key(to[0], to[1])});
+  }
 
   void rectangle() {
     emit(0, 0, true, width_ - 1, true);

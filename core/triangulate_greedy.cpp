@@ -80,8 +80,8 @@ class Greedy {
     return dem_.samples.data() + static_cast<std::size_t>(dem_.height - 1 - y) * dem_.width + x;
   }
 
-  /// The worst sample of a triangle in lattice geometry. Samples on an edge are searched from one of its sides only; those on
-  /// the border have been settled by its thinning.
+  /// The worst sample of a triangle in lattice geometry. Samples on an edge are searched from one of its sides only;
+  /// those on the border have been settled by its thinning.
   template <class T>
   Worst search(const Heights<T>& heights, Index t) const {
     const auto p = corners(t);

@@ -7,7 +7,8 @@ namespace terrane {
 
 namespace {
 
-/// Calls triangle(a, b, c) for the one or two triangles of the cell south-east of sample (i, j), corners as sample numbers.
+/// Calls triangle(a, b, c) for the one or two triangles of the cell south-east of sample (i, j), corners as sample
+/// numbers.
 template <class Triangle>
 inline void cut_cell(const Raster& dem, int i, int j, Triangle triangle) {
   const std::size_t ul = static_cast<std::size_t>(j) * dem.width + i, ur = ul + 1, ll = ul + dem.width, lr = ll + 1;

@@ -9,8 +9,8 @@
 
 namespace terrane::testing {
 
-/// A raster one can see: the first line is the northernmost row, digits are heights, '.' is void. Cells are 1 x 1 and the
-/// south-western sample lies at (0, 0), so that places are exact.
+/// A raster one can see: the first line is the northernmost row, digits are heights, '.' is void. Cells are 1 x 1 and
+/// the south-western sample lies at (0, 0), so that places are exact.
 inline Raster ascii_raster(std::initializer_list<std::string_view> rows, double z_scale = 1) {
   Raster r;
   r.width = static_cast<int>(rows.begin()->size());

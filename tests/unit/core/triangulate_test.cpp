@@ -22,11 +22,11 @@ using Place = std::array<std::int64_t, 2>;  // column, and row counted from the 
 using Step = std::array<Place, 2>;
 constexpr double nan_height = std::numeric_limits<double>::quiet_NaN();
 
-double height_at(const Raster& dem, Place p) { return dem.at(static_cast<int>(p[0]), static_cast<int>(dem.height - 1 - p[1])); }
-
-std::int64_t turn(Place a, Place b, Place c) {
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+double height_at(const Raster& dem, Place p) {
+  return dem.at(static_cast<int>(p[0]), static_cast<int>(dem.height - 1 - p[1]));
 }
+
+std::int64_t turn(Place a, Place b, Place c) { return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]); }
 
 /// What the contract says the domain is: triangles of lattice places, counter-clockwise.
 std::vector<std::array<Place, 3>> domain_triangles(const Raster& dem) {
@@ -144,7 +144,8 @@ void expect_delaunay(const Raster& dem, const Tin& tin) {
       const double x = at(v)[0] - d[0], y = at(v)[1] - d[1];
       m[row++] = {x, y, x * x + y * y};
     }
-    const double det = m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) + m[1][2] * (m[2][0] * m[0][1] - m[2][1] * m[0][0]) +
+    const double det = m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) +
+                       m[1][2] * (m[2][0] * m[0][1] - m[2][1] * m[0][0]) +
                        m[2][2] * (m[0][0] * m[1][1] - m[0][1] * m[1][0]);
     ASSERT_LE(det, 0);
   }
@@ -227,8 +228,8 @@ TEST(Triangulate, NothingWhereThereIsNoCell) {
 
 TEST(Triangulate, HolesIslandsCorridorsAndTouchingParts) {
   for (const Raster& dem : {
-           ascii_raster({"000000000", "0.......0", "0.11111.0", "0.1...1.0", "0.1.9.1.0", "0.1...1.0", "0.11111.0", "0.......0",
-                         "000000000"}),
+           ascii_raster({"000000000", "0.......0", "0.11111.0", "0.1...1.0", "0.1.9.1.0", "0.1...1.0", "0.11111.0",
+                         "0.......0", "000000000"}),
            ascii_raster({"0000000", "0000000", "00...00", "00.9.00", "00...00", "0000000", "0000000"}),
            ascii_raster({"99.....", "99.....", "..55...", "..55...", "....11.", "....11.", "......."}),
            ascii_raster({"990000", "990000", "005500", "005500"}),
@@ -284,7 +285,8 @@ TEST(Triangulate, LargerRandomRastersHoldEveryPostCondition) {
     for (int hole = below(8); hole > 0; --hole) {  // runs long enough to be thinned
       const int i0 = below(dem.width), j0 = below(dem.height), i1 = i0 + below(25), j1 = j0 + below(25);
       for (int j = j0; j < std::min(j1, dem.height); ++j) {
-        for (int i = i0; i < std::min(i1, dem.width); ++i) dem.samples[static_cast<std::size_t>(j) * dem.width + i] = nan_height;
+        for (int i = i0; i < std::min(i1, dem.width); ++i)
+          dem.samples[static_cast<std::size_t>(j) * dem.width + i] = nan_height;
       }
     }
     // A cell that is no round number of doubles, far from the origin.
@@ -315,7 +317,8 @@ TEST(Triangulate, TilesWithASharedEdgeMeetVertexOnVertex) {
       return part;
     };
     for (const double bound : {0.25, 1.0, 2.0}) {
-      const auto west = heights_along(run(cut(0, 21), bound).tin, 20), east = heights_along(run(cut(20, 41), bound).tin, 20);
+      const auto west = heights_along(run(cut(0, 21), bound).tin, 20),
+                 east = heights_along(run(cut(20, 41), bound).tin, 20);
       ASSERT_EQ(west, east);
       if (bound == 2) EXPECT_LT(west.size(), 60u) << "the border is not thinned";
     }
@@ -353,7 +356,8 @@ TEST(Triangulate, BoundHoldsWhereDoublesAreCoarse) {
   dem.dx = dem.dy = 0.001;
   const Triangulated t = run(dem, 100);
   EXPECT_LE(t.error, 100);
-  expect_correct(dem, t, 100 + 1e-6);  // 1e-6: what the places' rounding (1e-6 of a cell) makes of slopes of 1000 per cell
+  expect_correct(dem, t,
+                 100 + 1e-6);  // 1e-6: what the places' rounding (1e-6 of a cell) makes of slopes of 1000 per cell
 }
 
 TEST(Triangulate, RefusesWhatHasNoAnswer) {
