@@ -2,6 +2,7 @@
 #include "core/arithmetic.hpp"
 
 #include <algorithm>
+#include <array>
 #include <tuple>
 #include <utility>
 
@@ -10,7 +11,7 @@
 namespace terrane {
 namespace {
 
-/// An order of surfaces by content alone, so that a + b and b + a take the same path.
+/// An order of surfaces by content alone, so that a + b and b + a, a - b and b - a take the same path.
 bool content_before(const Tin& a, const Tin& b) {
   if (a.vertices.size() != b.vertices.size()) return a.vertices.size() < b.vertices.size();
   if (a.faces.size() != b.faces.size()) return a.faces.size() < b.faces.size();
@@ -23,7 +24,9 @@ bool content_before(const Tin& a, const Tin& b) {
 /// The folded surface without the faces that have no height.
 class Folder {
  public:
-  Folder(const Overlay& overlay, int sign, Outside outside) : overlay_(overlay), sign_(sign), outside_(outside) {}
+  /// `signs` of the two heights; with Outside::keep both are +1.
+  Folder(const Overlay& overlay, std::array<int, 2> signs, Outside outside)
+      : overlay_(overlay), signs_(signs), outside_(outside) {}
 
   CornerSurface run() {
     CornerSurface surface;
@@ -39,14 +42,14 @@ class Folder {
 
  private:
   double height(Index f, int k) const {
-    const bool a = overlay_.parents[f][0] != none, b = overlay_.parents[f][1] != none;
-    if (a && b) return overlay_.height(0, f, k) + sign_ * overlay_.height(1, f, k);
-    if (a) return overlay_.height(0, f, k);
-    return outside_ == Outside::zero ? 0.0 + sign_ * overlay_.height(1, f, k) : overlay_.height(1, f, k);
+    double sum = 0;
+    for (int input : {0, 1})
+      if (overlay_.parents[f][input] != none) sum += signs_[input] * overlay_.height(input, f, k);
+    return sum;
   }
 
   const Overlay& overlay_;
-  int sign_;
+  std::array<int, 2> signs_;
   Outside outside_;
 };
 
@@ -55,9 +58,10 @@ class Folder {
 Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const Assembly& assembly, Context& context) {
   if (sign < 0 && outside == Outside::keep)
     throw Error(ErrorKind::usage, "outside", "a difference has no height of its own outside the overlap; use drop or zero");
-  const bool swap = sign > 0 && content_before(b, a);
+  const bool swap = content_before(b, a);
   const Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
-  Assembled result = assemble(Folder(overlaid, sign, outside).run(), assembly, context);
+  const std::array<int, 2> signs = swap ? std::array{sign, 1} : std::array{1, sign};
+  Assembled result = assemble(Folder(overlaid, signs, outside).run(), assembly, context);
   accumulate(result.rounding, overlaid.rounding);
   return result;
 }
