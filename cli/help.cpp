@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/help.hpp"
+
+#include <cctype>
+
+namespace terrane {
+namespace {
+
+constexpr std::size_t width = 100;
+
+std::string padded(std::string text, std::size_t columns) {
+  text.resize(std::max(columns, text.size() + 2), ' ');
+  return text;
+}
+
+/// A word and its explanation, wrapped beside it.
+std::string entry(const std::string& word, const std::string& sentence, std::size_t column) {
+  std::string out = padded("  " + word, column), line;
+  const std::string pad(column, ' ');
+  if (out.size() > column) out += "\n" + pad;
+  std::size_t begin = 0;
+  while (begin < sentence.size()) {
+    const std::size_t end = std::min(sentence.find(' ', begin), sentence.size());
+    const std::string next = sentence.substr(begin, end - begin);
+    if (!line.empty() && column + line.size() + 1 + next.size() > width) {
+      out += line + "\n" + pad;
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + next;
+    begin = end + 1;
+  }
+  return out + line + "\n";
+}
+
+std::string upper(std::string word) {
+  for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return word;
+}
+
+std::string placeholder(const Parameter& p) {
+  switch (p.type) {
+    case Parameter::Type::number: return " NUMBER";
+    case Parameter::Type::integer: return " N";
+    case Parameter::Type::boolean: return "";
+    case Parameter::Type::text: return " TEXT";
+    case Parameter::Type::crs: return " CRS";
+    case Parameter::Type::length: return " LENGTH";
+    case Parameter::Type::choice: break;
+  }
+  std::string words;
+  for (const std::string& word : p.choices) words += (words.empty() ? " " : "|") + word;
+  return words;
+}
+
+std::string parameter_entries(const std::vector<Parameter>& parameters) {
+  std::string text;
+  for (const Parameter& p : parameters) {
+    if (p.name == "format") continue;  // among the flags
+    std::string sentence = p.sentence;
+    if (!p.default_value.is_null() && p.type != Parameter::Type::boolean)
+      sentence += " [" + (p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()) + "]";
+    text += entry("--" + p.name + placeholder(p), sentence, 30);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string general_help() {
+  std::string text = "terrane " TERRANE_VERSION
+                     ": exact algebra on terrain surfaces\n\n"
+                     "  terrane OPERATION INPUT... [--parameter VALUE]... -o OUTPUT\n"
+                     "  terrane serve [--port N] [--host H] [--data DIR] [--max-body SIZE]\n"
+                     "  terrane docs openapi|reference\n\nOperations (terrane OPERATION --help says more):\n";
+  for (const Operation& operation : catalogue()) text += entry(operation.id, operation.title, 16);
+  text += "\nFormats:\n";
+  for (const Format& format : formats())
+    text += entry(format.name, format.description + (format.read ? format.write ? " (read, written)" : " (read)" : " (written)"), 16);
+  return text + "\nExit codes: 0 done, 2 usage or parameter, 3 input data, 4 limit, 5 our fault.\n";
+}
+
+std::string operation_help(const Operation& operation) {
+  std::string text = "terrane " + operation.id;
+  for (const InputSlot& slot : operation.inputs)
+    text += (slot.min_occurs == 0 ? " [" + upper(slot.name) + "]" : " " + upper(slot.name)) + (slot.max_occurs == 0 ? "..." : "");
+  const bool prints = operation.result == ResultKind::report || operation.result == ResultKind::table;
+  text += prints ? " [--parameter VALUE]... [-o OUTPUT]\n\n" : " [--parameter VALUE]... -o OUTPUT\n\n";
+  text += operation.description + "\n\nInputs (- reads standard input):\n";
+  for (const InputSlot& slot : operation.inputs) text += entry(upper(slot.name), slot.sentence, 16);
+  if (!operation.parameters.empty()) text += "\nParameters:\n" + parameter_entries(operation.parameters);
+  text += "\nParameters of every operation:\n" + parameter_entries(common_parameters());
+  std::string words;
+  for (const std::string& word : operation.output_formats) words += (words.empty() ? "" : ", ") + word;
+  text += "\nFlags:\n" +
+          entry("-o, --output FILE", prints ? "Where the result goes; standard output otherwise." : "Where the result goes; - is standard output.", 30) +
+          entry("--report FILE", "Where the certificate goes, as JSON.", 30) +
+          entry("--format F", "One of " + words + "; otherwise the output's name decides.", 30) +
+          entry("--force", "Replace an output that exists.", 30) +
+          entry("--quiet", "Neither progress nor warnings.", 30);
+  return text;
+}
+
+std::string serve_help() {
+  return "terrane serve [--port N] [--host H] [--data DIR] [--max-body SIZE] [--threads N]\n\n"
+         "The operations over HTTP (OGC API - Processes).\n\n" +
+         entry("--port N", "The port to listen on. [8080]", 20) +
+         entry("--host H", "The address to listen on. [127.0.0.1]", 20) +
+         entry("--data DIR", "Where results are kept; the user's state directory otherwise.", 20) +
+         entry("--max-body SIZE", "The largest request: a number with K, M or G. [1G]", 20) +
+         entry("--threads N", "Executions at the same time; 0: one per core. [0]", 20);
+}
+
+}  // namespace terrane

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/run_operation.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "cli/files.hpp"
+#include "cli/progress.hpp"
+#include "core/error.hpp"
+#include "ops/parameters.hpp"
+#include "ops/request.hpp"
+
+namespace terrane {
+namespace {
+
+/// Which input of the operation each word is. Surplus words are an error; missing ones are the plan's to complain about.
+std::vector<InputPart> assign_inputs(const Operation& operation, const std::vector<std::string>& words) {
+  std::vector<InputPart> parts;
+  auto slot = operation.inputs.begin();
+  int used = 0;
+  for (const std::string& word : words) {
+    while (slot != operation.inputs.end() && slot->max_occurs > 0 && used >= slot->max_occurs) ++slot, used = 0;
+    if (slot == operation.inputs.end())
+      throw Error(ErrorKind::usage, "surplus-input",
+                  "'" + operation.id + "' takes no input after '" + words[parts.size() - 1] + "', but '" + word + "' follows");
+    ++used;
+    parts.push_back({slot->name, word, "", ""});
+  }
+  return parts;
+}
+
+/// Fills in the bytes; a number stands for itself where a level is taken and no file has that name.
+void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
+  bool stream_taken = false;
+  for (InputPart& part : parts) {
+    const std::string path = part.name;
+    const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
+                                   [&](const InputSlot& s) { return s.name == part.slot; });
+    if (slot->takes_number && parse_number(path) && ::access(path.c_str(), F_OK) != 0) {
+      part.bytes = path;
+      part.name.clear();
+      continue;
+    }
+    if (path == "-" && std::exchange(stream_taken, true))
+      throw Error(ErrorKind::usage, "surplus-input", "standard input ('-') can be one input only");
+    part.bytes = read_file(path);
+    part.name = path == "-" ? "" : file_name(path);
+  }
+}
+
+void print_warnings(const std::vector<Warning>& warnings) {
+  for (const Warning& w : warnings)
+    std::fprintf(stderr, "warning: %s%s%s%s%s\n", w.message.c_str(), w.element.empty() ? "" : " (",
+                 w.element.c_str(), w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
+}
+
+}  // namespace
+
+void run_operation(const Operation& operation, const CommandLine& line) {
+  Request request;
+  request.operation = operation.id;
+  request.parameters = line.parameters;
+  request.format = line.format;
+  if (line.output != "-") request.output_name = line.output.empty() ? "" : file_name(line.output);
+  request.inputs = assign_inputs(operation, line.inputs);
+  refuse_existing(line.output, line.force);
+  refuse_existing(line.report, line.force);
+  read_inputs(operation, request.inputs);
+  const Plan made = plan(std::move(request));
+  const ResultKind kind = operation.kind(made.parameters);
+  const bool prints = kind == ResultKind::report || kind == ResultKind::table;
+  if (line.output.empty() && !prints)
+    throw Error(ErrorKind::usage, "missing-output", "'" + operation.id + "' needs -o OUTPUT (- for standard output)");
+
+  ProgressLine progress(line.quiet);
+  Context context;
+  context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  context.on_progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); };
+  const Response response = execute(made, context);
+  progress.clear();
+  if (!line.quiet) print_warnings(response.warnings);
+  store_file(line.output.empty() ? "-" : line.output, response.body, line.force);
+  if (!line.report.empty()) store_file(line.report, response.report.dump(2) + "\n", line.force);
+}
+
+}  // namespace terrane

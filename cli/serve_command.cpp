@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/serve_command.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "cli/command_line.hpp"
+#include "core/error.hpp"
+#include "ops/parameters.hpp"
+#include "server/serve.hpp"
+
+namespace terrane {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& text, const std::string& expected) {
+  throw Error(ErrorKind::usage, "bad-option", "--" + name + " is '" + text + "'; it takes " + expected);
+}
+
+int whole_number(const std::string& name, const std::string& text, int low, int high) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < low || value > high)
+    refuse(name, text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  return value;
+}
+
+/// "1G", "512M", "64k", "1000000": powers of 1024.
+std::size_t size(const std::string& name, const std::string& text) {
+  std::string number = text;
+  double factor = 1;
+  if (!number.empty())
+    switch (number.back()) {
+      case 'k': case 'K': factor = 1024.0; break;
+      case 'm': case 'M': factor = 1024.0 * 1024; break;
+      case 'g': case 'G': factor = 1024.0 * 1024 * 1024; break;
+      default: break;
+    }
+  if (factor > 1) number.pop_back();
+  const auto value = parse_number(number);
+  if (!value || *value * factor < 1 || *value * factor > 1e15) refuse(name, text, "a size such as 1G, 512M or 64K");
+  return static_cast<std::size_t>(*value * factor);
+}
+
+}  // namespace
+
+int serve_command(std::span<const std::string> words) {
+  ServeOptions options;
+  for (const auto& [name, text] : parse_options(words, {"port", "host", "data", "max-body", "threads"})) {
+    if (name == "port") options.port = whole_number(name, text, 0, 65535);
+    if (name == "host") options.host = text;
+    if (name == "data") options.data = text;
+    if (name == "max-body") options.max_body = size(name, text);
+    if (name == "threads") options.threads = whole_number(name, text, 0, 1024);
+  }
+  return serve(options);
+}
+
+}  // namespace terrane

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ops/operation.hpp"
+
+// docs/reference.md, made from the catalogue.
+namespace terrane {
+namespace {
+
+std::string type_word(const Parameter& p) {
+  std::string text;
+  switch (p.type) {
+    case Parameter::Type::number: text = "number"; break;
+    case Parameter::Type::integer: text = "whole number"; break;
+    case Parameter::Type::boolean: text = "true or false"; break;
+    case Parameter::Type::text: text = "text"; break;
+    case Parameter::Type::crs: text = "CRS"; break;
+    case Parameter::Type::length: text = "length"; break;
+    case Parameter::Type::choice:
+      for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
+  }
+  const auto number = [](double v) { return v == static_cast<long>(v) ? std::to_string(static_cast<long>(v)) : nlohmann::json(v).dump(); };
+  if (p.minimum) text += ", from " + number(*p.minimum);
+  if (p.maximum) text += " up to " + number(*p.maximum);
+  return text;
+}
+
+std::string default_word(const Parameter& p) {
+  if (p.default_value.is_null()) return "–";
+  return "`" + (p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()) + "`";
+}
+
+std::string parameter_table(const std::vector<Parameter>& parameters) {
+  std::string text = "| parameter | takes | default | |\n|---|---|---|---|\n";
+  for (const Parameter& p : parameters)
+    text += "| `" + p.name + "` | " + type_word(p) + " | " + default_word(p) + " | " + p.sentence + " |\n";
+  return text + "\n";
+}
+
+std::string times(const InputSlot& slot) {
+  if (slot.max_occurs == 0) return "one or more";
+  return slot.min_occurs == 0 ? "may be left out" : "once";
+}
+
+std::string usage(const Operation& operation) {
+  std::string text = "terrane " + operation.id;
+  for (const InputSlot& slot : operation.inputs) {
+    std::string word = slot.name;
+    for (char& c : word) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    text += slot.min_occurs == 0 ? " [" + word + "]" : " " + word;
+    if (slot.max_occurs == 0) text += " …";
+  }
+  return text + " [--parameter VALUE]… -o OUTPUT";
+}
+
+std::string section(const Operation& operation) {
+  std::string text = "## " + operation.id + "\n\n" + operation.title + ". " + operation.description + "\n\n```\n" +
+                     usage(operation) + "\n```\n\n| input | | |\n|---|---|---|\n";
+  for (const InputSlot& slot : operation.inputs)
+    text += "| `" + slot.name + "` | " + times(slot) + " | " + slot.sentence + " |\n";
+  text += "\n";
+  if (!operation.parameters.empty()) text += parameter_table(operation.parameters);
+  text += "Returns";
+  for (std::size_t i = 0; i < operation.output_formats.size(); ++i)
+    text += (i ? ", `" : " `") + operation.output_formats[i] + "`";
+  return text + " (the first unless asked otherwise).\n\n";
+}
+
+std::string format_table() {
+  std::string text = "## Formats\n\n| format | file names | media type | read | written | |\n|---|---|---|---|---|---|\n";
+  for (const Format& f : formats()) {
+    std::string extensions;
+    for (const std::string& e : f.extensions) extensions += (extensions.empty() ? "`" : ", `") + e + "`";
+    text += "| `" + f.name + "` | " + extensions + " | " + f.media_type + " | " + (f.read ? "yes" : "–") + " | " +
+            (f.write ? "yes" : "–") + " | " + f.description + " |\n";
+  }
+  return text;
+}
+
+const char* const notes = R"(A raster is accepted wherever a TIN is: it is triangulated within `max-error`, and its cell centres are its domain. Lengths are
+in the units of the CRS, or carry one of the units `m`, `ft`, `ftUS`. On the command line a parameter is `--name VALUE` or
+`--name=VALUE`; over HTTP it is a query parameter, a form field, or stands among the `inputs` of a JSON execute request.
+
+Choices that are made here where others are possible:
+
+- A CRS that is given for one input is written INPUT:CRS, with the input's name or its file name; several are separated by `;`.
+- Without a CRS in any input all are in one local frame in metres. Inputs with a CRS and inputs without never mix.
+- Areas and volumes are in squared and cubed CRS units where plan and height have the same unit, in m² and m³ otherwise.
+  In geographic CRSs they are those on the ellipsoid. `area_balance` in the certificate is about the mesh and stays in squared
+  CRS units, degrees included.
+- In geographic CRSs several tiles are laid beside each other by whole turns of 360° before anything else; one tile alone stays
+  where it is.
+- `volume` takes `levels` instead of a reference, a row each; the sides are then called above and below.
+- `validate` with `repair` keeps the earlier faces where faces overlap, in an order taken from their connection.
+- Numbers in coordinates that all lie within 360 by 90 in a projected CRS are suspected to be degrees: refused where other inputs
+  of the same request are clearly not, a warning otherwise.
+
+)";
+
+}  // namespace
+
+std::string reference_page() {
+  std::string text =
+      "<!-- Generated by `terrane docs reference`; a test fails when it is stale. -->\n# The operations\n\n" +
+      std::string(notes);
+  for (const Operation& operation : catalogue()) text += section(operation);
+  text += "## Parameters of every operation\n\n" + parameter_table(common_parameters()) + format_table();
+  return text;
+}
+
+}  // namespace terrane
