@@ -1,0 +1,33 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Fails on an include that points back: server, cli -> ops -> io -> core. Usage: includes_point_one_way.sh ROOT
+set -euo pipefail
+cd "$1"
+declare -A sees=([core]="core" [io]="io core" [ops]="ops io core" [server]="server ops io core" [cli]="cli server ops io core")
+declare -A only=([CGAL]=core [gdal]=io [ogr]=io [cpl_]=io [GeographicLib]=io [proj]=io [nlohmann]="io ops server cli" [httplib]=server)
+faults=0
+fault() { echo "$1:$2: includes $3: $4"; faults=$((faults + 1)); }
+has() { [[ " $1 " == *" $2 "* ]]; }
+
+for room in core io ops server cli; do
+  [ -d "$room" ] || continue
+  while IFS=: read -r file line text; do
+    path=$(sed -E 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]([^">]+)[">].*/\1/' <<<"$text")
+    first=${path%%/*}
+    if [[ $text == *\"* ]]; then
+      [[ $path == */* ]] || fault "$file" "$line" "$path" "write includes from the root"
+      has "${sees[$room]}" "$first" || fault "$file" "$line" "$path" "$room sees only: ${sees[$room]}"
+    else
+      for library in "${!only[@]}"; do
+        [[ $path == $library* ]] && ! has "${only[$library]}" "$room" && fault "$file" "$line" "$path" "$library belongs to: ${only[$library]}"
+      done
+    fi
+  done < <(grep -rnE '^[[:space:]]*#[[:space:]]*include' --include='*.hpp' --include='*.cpp' "$room" || true)
+done
+# CGAL's headers take seconds to compile: a header that needs them serves source files of core, never another header.
+while IFS= read -r heavy; do
+  while IFS=: read -r file line _; do fault "$file" "$line" "$heavy" "it brings in CGAL, so only source files of core may"; done \
+    < <(grep -rnF "#include \"$heavy\"" --include='*.hpp' core io ops server cli; grep -rnF "#include \"$heavy\"" --include='*.cpp' io ops server cli)
+done < <(grep -rlE '#[[:space:]]*include[[:space:]]*<CGAL/' --include='*.hpp' core || true)
+[ $faults = 0 ] && echo "every include points one way"
+exit $((faults > 0))
