@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A container engine of our own for the tests: its own folder, socket, bridge; nothing left behind. Sourced by containers.sh.
-# engine_start WORK sets DOCKER_HOST, docker and compose, or returns 1 with the reason in engine_reason.
+# A container engine of our own for the tests, sourced by containers.sh: its own folder, socket and bridge; nothing is
+# left behind. engine_start WORK sets DOCKER_HOST, or returns 1 with the reason in engine_reason.
 
 bridge=terrane0
 engine_reason=
@@ -17,8 +17,8 @@ engine_install() {
   command -v curl >/dev/null || missing+=(curl)
   [ ${#missing[@]} -eq 0 ] && return 0
   echo "installing ${missing[*]}"
-  DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null 2>&1 ||
-    { apt-get update -q >/dev/null && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null; }
+  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}")
+  "${install[@]}" >/dev/null 2>&1 || { apt-get update -q >/dev/null && "${install[@]}" >/dev/null; }
 }
 
 engine_start() {
@@ -59,7 +59,15 @@ engine_stop() {
     umount "$mounted" 2>/dev/null || umount -l "$mounted"
   done
   ip link del "$bridge" 2>/dev/null
-  [ -s "$engine_work/iptables" ] && iptables-restore < "$engine_work/iptables" 2>/dev/null
+  if [ -s "$engine_work/iptables" ]; then
+    iptables-restore < "$engine_work/iptables" 2>/dev/null
+  elif [ -f "$engine_work/iptables" ]; then  # there was not one rule before: what is there is the engine's
+    iptables -P FORWARD ACCEPT 2>/dev/null
+    for table in filter nat; do
+      iptables -t $table -F 2>/dev/null
+      iptables -t $table -X 2>/dev/null
+    done
+  fi
   [ -n "${engine_forward:-}" ] && echo "$engine_forward" > /proc/sys/net/ipv4/ip_forward
   rm -rf --one-file-system "$engine_work"
 }
@@ -68,7 +76,7 @@ engine_stop() {
 engine_base_image() {
   local root=$engine_work/base mirror sources=/etc/apt/sources.list.d/debian.sources
   mirror=$(sed -n 's/^URIs: *//p' "$sources" 2>/dev/null | head -1)
-  [ -n "$mirror" ] || mirror=$(awk '$1 == "deb" {for (i = 2; i <= NF; ++i) if ($i ~ /^http/) {print $i; exit}}' /etc/apt/sources.list 2>/dev/null)
+  [ -n "$mirror" ] || mirror=$(grep -m1 -oE '^deb .*https?://[^ ]+' /etc/apt/sources.list 2>/dev/null | grep -oE 'http.*')
   debootstrap --variant=minbase --include=ca-certificates bookworm "$root" "${mirror:-http://deb.debian.org/debian}" \
     > "$engine_work/debootstrap.log" 2>&1 || { tail -5 "$engine_work/debootstrap.log"; return 1; }
   if [ -f "$sources" ]; then
@@ -79,8 +87,8 @@ engine_base_image() {
   cat /etc/apt/apt.conf /etc/apt/apt.conf.d/* 2>/dev/null | grep -E '^Acquire::(http|https|Check|Retries)[^{]*;' \
     > "$root/etc/apt/apt.conf.d/50-build-machine" || true
   echo 'APT::Sandbox::User "root";' >> "$root/etc/apt/apt.conf.d/50-build-machine"
-  rm -rf "$root/var/cache/apt/archives/"*.deb "$root/var/lib/apt/lists/"* "$root/usr/share/doc/"* "$root/usr/share/man/"* \
-    "$root/usr/share/locale/"*
+  rm -rf "$root/var/cache/apt/archives/"*.deb "$root/var/lib/apt/lists/"* \
+    "$root/usr/share/doc/"* "$root/usr/share/man/"* "$root/usr/share/locale/"*
   tar -C "$root" -c . | "$docker" import - debian:bookworm-slim >/dev/null
   rm -rf --one-file-system "$root"
 }
