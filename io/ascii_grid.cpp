@@ -51,14 +51,24 @@ class GridReader {
   bool read_entry() {
     const char* before = p_;
     const std::string key = lower(word());
-    std::optional<double>* slot = key == "ncols" ? &columns_ : key == "nrows" ? &rows_ : key == "xllcorner" ? &x_corner_
-                                  : key == "yllcorner" ? &y_corner_ : key == "xllcenter" ? &x_center_ : key == "yllcenter" ? &y_center_
-                                  : key == "cellsize" ? &cell_ : key == "dx" ? &dx_ : key == "dy" ? &dy_ : key == "nodata_value" ? &no_data_ : nullptr;
+    std::optional<double>* slot = key == "ncols"          ? &columns_
+                                  : key == "nrows"        ? &rows_
+                                  : key == "xllcorner"    ? &x_corner_
+                                  : key == "yllcorner"    ? &y_corner_
+                                  : key == "xllcenter"    ? &x_center_
+                                  : key == "yllcenter"    ? &y_center_
+                                  : key == "cellsize"     ? &cell_
+                                  : key == "dx"           ? &dx_
+                                  : key == "dy"           ? &dy_
+                                  : key == "nodata_value" ? &no_data_
+                                                          : nullptr;
     if (!slot && key.starts_with("nan")) {
       p_ = before;
       return false;
     }
-    if (!slot) bad(before == skip_spaces(begin_, end_) ? "wrong-magic" : "bad-header", "header", "an entry that no ASCII grid has; it begins with ncols");
+    if (!slot)
+      bad(before == skip_spaces(begin_, end_) ? "wrong-magic" : "bad-header", "header",
+          "an entry that no ASCII grid has; it begins with ncols");
     const std::string_view text = word();
     double value = 0;
     const char* after = parse_number(text.data(), text.data() + text.size(), value);
@@ -74,7 +84,8 @@ class GridReader {
 
   int count(const std::optional<double>& value, const char* key) const {
     if (!value) bad("bad-header", "header", std::string(key) + " is missing");
-    if (!(*value >= 1 && *value <= 0x7fffffff) || *value != std::floor(*value)) bad("bad-number", "header", std::string(key) + " must be a whole number from 1 up");
+    if (!(*value >= 1 && *value <= 0x7fffffff) || *value != std::floor(*value))
+      bad("bad-number", "header", std::string(key) + " must be a whole number from 1 up");
     return static_cast<int>(*value);
   }
 
@@ -84,7 +95,8 @@ class GridReader {
     const std::size_t samples = static_cast<std::size_t>(raster_.width) * raster_.height;
     check_count(options_, samples, options_.max_samples, "samples");
     if (samples > static_cast<std::size_t>(end_ - p_) / 2 + 1)
-      bad("truncated", "", "the header announces " + std::to_string(samples) + " heights, more than the file can hold; send it again");
+      bad("truncated", "",
+          "the header announces " + std::to_string(samples) + " heights, more than the file can hold; send it again");
     if (cell_ && (dx_ || dy_)) bad("bad-header", "header", "cellsize and dx, dy exclude each other");
     const double dx = cell_ ? *cell_ : dx_.value_or(0), dy = cell_ ? *cell_ : dy_.value_or(0);
     if (!(dx > 0 && dy > 0)) bad("bad-number", "header", "cellsize must be above 0");
@@ -94,7 +106,8 @@ class GridReader {
     raster_.dy = dy;
     raster_.x0 = x_center_ ? *x_center_ : *x_corner_ + dx / 2;
     raster_.y0 = y_center_ ? *y_center_ + (raster_.height - 1) * dy : *y_corner_ + (raster_.height - 0.5) * dy;
-    if (!std::isfinite(raster_.x0 + raster_.width * dx) || !std::isfinite(raster_.y0)) bad("bad-number", "header", "its extent is not finite");
+    if (!std::isfinite(raster_.x0 + raster_.width * dx) || !std::isfinite(raster_.y0))
+      bad("bad-number", "header", "its extent is not finite");
   }
 
   void read_samples() {
@@ -112,7 +125,8 @@ class GridReader {
         after = p_ + 3;
         z = no_data;
       }
-      if (!after || (after != end_ && !is_space(*after))) bad("bad-number", element(), "the height is no finite number");
+      if (!after || (after != end_ && !is_space(*after)))
+        bad("bad-number", element(), "the height is no finite number");
       p_ = after;
       raster_.samples.push_back(z == no_data ? std::numeric_limits<double>::quiet_NaN() : z);
     }
@@ -134,9 +148,14 @@ Format ascii_grid_format() {
           {".asc"},
           "application/x-esri-ascii-grid",
           "Esri ASCII grid; it holds no CRS, so give one with assume-crs.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) { return GridReader(bytes, options, context).read(); },
+          [](std::string_view bytes, const ReadOptions& options, Context& context) {
+            return GridReader(bytes, options, context).read();
+          },
           nullptr,
-          [](std::string_view head) { return lower(trimmed(head).substr(0, 6)).starts_with("ncols") || lower(trimmed(head).substr(0, 6)).starts_with("nrows"); }};
+          [](std::string_view head) {
+            return lower(trimmed(head).substr(0, 6)).starts_with("ncols") ||
+                   lower(trimmed(head).substr(0, 6)).starts_with("nrows");
+          }};
 }
 
 }  // namespace terrane

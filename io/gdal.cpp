@@ -11,10 +11,15 @@ namespace terrane {
 
 namespace {
 
-constexpr std::pair<const char*, const char*> settings[] = {
-    {"GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"}, {"GDAL_PAM_ENABLED", "NO"},       {"GDAL_GEOREF_SOURCES", "INTERNAL"},
-    {"GTIFF_POINT_GEO_IGNORE", "TRUE"},            {"GTIFF_REPORT_COMPD_CS", "YES"}, {"OSR_STRIP_TOWGS84", "YES"},
-    {"GDAL_NUM_THREADS", "1"},                     {"CPL_CURL_ENABLE_VSIMEM", "NO"}, {"GDAL_ENABLE_TIFF_SPLIT", "NO"}};
+constexpr std::pair<const char*, const char*> settings[] = {{"GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"},
+                                                            {"GDAL_PAM_ENABLED", "NO"},
+                                                            {"GDAL_GEOREF_SOURCES", "INTERNAL"},
+                                                            {"GTIFF_POINT_GEO_IGNORE", "TRUE"},
+                                                            {"GTIFF_REPORT_COMPD_CS", "YES"},
+                                                            {"OSR_STRIP_TOWGS84", "YES"},
+                                                            {"GDAL_NUM_THREADS", "1"},
+                                                            {"CPL_CURL_ENABLE_VSIMEM", "NO"},
+                                                            {"GDAL_ENABLE_TIFF_SPLIT", "NO"}};
 
 std::string fresh_name(std::string_view extension) {
   static std::atomic<unsigned long long> counter = 0;

@@ -15,9 +15,10 @@ namespace terrane {
 namespace {
 
 [[noreturn]] void bad_crs(const std::string& why) {
-  throw Error(ErrorKind::usage, "bad-crs", "this is no coordinate reference system we can use: " + why +
-                                               "; give EPSG:25831, EPSG:25831+5773, WKT, PROJJSON, an opengis.net URI, "
-                                               "local:m, local:ft or local:ftUS");
+  throw Error(ErrorKind::usage, "bad-crs",
+              "this is no coordinate reference system we can use: " + why +
+                  "; give EPSG:25831, EPSG:25831+5773, WKT, PROJJSON, an opengis.net URI, "
+                  "local:m, local:ft or local:ftUS");
 }
 
 constexpr double us_foot = 1200.0 / 3937.0;
@@ -65,13 +66,15 @@ bool same(const OGRSpatialReference& a, const OGRSpatialReference& b) {
   return a.IsSame(&b, options);
 }
 
-/// The code a CRS carries, when the register agrees that this is what the code means. WKT with a code and other numbers exists.
+/// The code a CRS carries, when the register agrees that this is what the code means. WKT with a code and other numbers
+/// exists.
 std::string verified_code(const OGRSpatialReference& srs) {
   const std::string code = code_of(srs);
   if (code.empty()) return "";
   OGRSpatialReference registered;
   registered.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  if (registered.SetFromUserInput(code.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
+  if (registered.SetFromUserInput(code.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
+      OGRERR_NONE)
     return "";
   return same(srs, registered) ? code : "";
 }
@@ -89,7 +92,8 @@ OGRSpatialReference osr(const std::string& definition) {
   (void)offline;
   OGRSpatialReference srs;
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  if (srs.SetFromUserInput(definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
+  if (srs.SetFromUserInput(definition.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
+      OGRERR_NONE)
     throw Error(ErrorKind::internal, "crs", "a coordinate reference system was understood once and is not any more");
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return srs;
@@ -114,7 +118,8 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const st
     return local_frame(word);
   }
   const bool projected = srs.IsProjected();
-  if (srs.IsGeocentric() || !(projected || srs.IsGeographic())) bad_crs("it has no map plane (neither projected nor longitude and latitude)");
+  if (srs.IsGeocentric() || !(projected || srs.IsGeographic()))
+    bad_crs("it has no map plane (neither projected nor longitude and latitude)");
   if (srs.IsDerivedGeographic()) bad_crs("longitude and latitude on a rotated pole");
   auto impl = std::make_shared<Impl>();
   impl->geographic = !projected;
@@ -154,7 +159,9 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const st
   impl->horizontal_wkt = exported(horizontal, "WKT2_2019");
   if (impl->wkt.empty() || impl->horizontal_wkt.empty()) bad_crs("it cannot be written as WKT");
   const std::string code = given.empty() ? verified_code(srs) : given;
-  const std::string plan = !given.empty() && horizontal.GetAxesCount() == srs.GetAxesCount() && !srs.IsCompound() ? given : verified_code(horizontal);
+  const std::string plan = !given.empty() && horizontal.GetAxesCount() == srs.GetAxesCount() && !srs.IsCompound()
+                               ? given
+                               : verified_code(horizontal);
   impl->id = code.empty() ? impl->wkt : code;
   impl->definition = impl->id;
   impl->horizontal_definition = plan.empty() ? impl->horizontal_wkt : plan;

@@ -26,14 +26,16 @@ GeographicLib::Ellipsoid ellipsoid_of(const Crs& crs) {
 /// m2 per square degree at a latitude: M N cos(phi), radii of curvature along the meridian and across it.
 double geographic_scale(const GeographicLib::Ellipsoid& ellipsoid, double latitude) {
   if (!(std::fabs(latitude) <= 90))
-    throw Error(ErrorKind::input, "outside-crs", "a latitude beyond 90 degrees: " + std::to_string(latitude) +
-                                                     "; if these are not degrees, say what they are with crs");
+    throw Error(ErrorKind::input, "outside-crs",
+                "a latitude beyond 90 degrees: " + std::to_string(latitude) +
+                    "; if these are not degrees, say what they are with crs");
   return ellipsoid.MeridionalCurvatureRadius(latitude) * ellipsoid.TransverseCurvatureRadius(latitude) *
          std::cos(latitude * degree) * degree * degree;
 }
 
-/// A projection's area scale, kept on a coarse grid. It varies over thousands of kilometres, so cubic interpolation between
-/// nodes 25 km apart is good to 1e-9 or better (error ~ (spacing / Earth radius)^4), and each node costs one transformation.
+/// A projection's area scale, kept on a coarse grid. It varies over thousands of kilometres, so cubic interpolation
+/// between nodes 25 km apart is good to 1e-9 or better (error ~ (spacing / Earth radius)^4), and each node costs one
+/// transformation.
 class ProjectedScale {
  public:
   explicit ProjectedScale(const Crs& crs)
@@ -47,7 +49,8 @@ class ProjectedScale {
     const std::unique_ptr<OGRSpatialReference> degrees(plane.CloneGeogCS());
     if (degrees) degrees->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     if (degrees) inverse_ = make_transformation(plane, *degrees, nullptr, false);
-    if (!inverse_) throw Error(ErrorKind::input, "no-transformation", "the projection of " + name_ + " cannot be inverted");
+    if (!inverse_)
+      throw Error(ErrorKind::input, "no-transformation", "the projection of " + name_ + " cannot be inverted");
   }
 
   double at(double x, double y) {
@@ -63,7 +66,8 @@ class ProjectedScale {
     const auto u = weights(x / spacing_ - i), v = weights(y / spacing_ - j);
     double sum = 0;
     for (int row = 0; row < 4; ++row)
-      sum += v[row] * (u[0] * patch.node[row][0] + u[1] * patch.node[row][1] + u[2] * patch.node[row][2] + u[3] * patch.node[row][3]);
+      sum += v[row] * (u[0] * patch.node[row][0] + u[1] * patch.node[row][1] + u[2] * patch.node[row][2] +
+                       u[3] * patch.node[row][3]);
     return sum;
   }
 
@@ -74,12 +78,14 @@ class ProjectedScale {
   };
 
   [[noreturn]] void outside(double x, double y) const {
-    throw Error(ErrorKind::input, "outside-crs", "the place " + std::to_string(x) + ", " + std::to_string(y) + " lies outside " + name_);
+    throw Error(ErrorKind::input, "outside-crs",
+                "the place " + std::to_string(x) + ", " + std::to_string(y) + " lies outside " + name_);
   }
 
   /// Lagrange's cubic through nodes at -1, 0, 1, 2.
   static std::array<double, 4> weights(double t) {
-    return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+    return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+            (t + 1) * t * (t - 1) / 6};
   }
 
   static std::uint64_t key(std::int64_t i, std::int64_t j) {
@@ -113,8 +119,8 @@ class ProjectedScale {
     return patch;
   }
 
-  /// |dP/dx cross dP/dy| of the place P on the ellipsoid, by central differences of fourth order. Wide steps: the truncation
-  /// is (step / Earth radius)^4, and inverses that are only good to a tenth of a millimetre do no harm.
+  /// |dP/dx cross dP/dy| of the place P on the ellipsoid, by central differences of fourth order. Wide steps: the
+  /// truncation is (step / Earth radius)^4, and inverses that are only good to a tenth of a millimetre do no harm.
   double measure(double x, double y) const {
     constexpr double offsets[4] = {-2, -1, 1, 2}, factors[4] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
     std::array<double, 8> xs, ys;
@@ -163,7 +169,8 @@ AreaScale constant(double value) {
 
 AreaScale ellipsoidal_area_scale(const Crs& crs) {
   if (!crs.known() || crs.local()) return constant(crs.metres_per_length_unit() * crs.metres_per_length_unit());
-  if (crs.geographic()) return [ellipsoid = ellipsoid_of(crs)](double, double y) { return geographic_scale(ellipsoid, y); };
+  if (crs.geographic())
+    return [ellipsoid = ellipsoid_of(crs)](double, double y) { return geographic_scale(ellipsoid, y); };
   return [scale = std::make_shared<ProjectedScale>(crs)](double x, double y) { return scale->at(x, y); };
 }
 

@@ -7,8 +7,8 @@
 
 #include "io/geodesy_osr.hpp"
 
-// Which grids a transformation would need. GDAL can say only that there is no way, so PROJ is asked. It is always loaded,
-// because GDAL stands on it, but it is not ours to link with: its functions are looked up by name.
+// Which grids a transformation would need. GDAL can say only that there is no way, so PROJ is asked. It is always
+// loaded, because GDAL stands on it, but it is not ours to link with: its functions are looked up by name.
 namespace terrane {
 
 namespace {
@@ -43,9 +43,10 @@ struct Proj {
   bool complete() const {
     return context_create && context_destroy && context_set_enable_network && log_level && create && destroy &&
            create_operation_factory_context && operation_factory_context_destroy &&
-           operation_factory_context_set_allow_ballpark_transformations && operation_factory_context_set_grid_availability_use &&
-           operation_factory_context_set_spatial_criterion && operation_factory_context_set_area_of_interest && create_operations && list_get_count && list_get && list_destroy &&
-           coordoperation_get_grid_used_count && coordoperation_get_grid_used;
+           operation_factory_context_set_allow_ballpark_transformations &&
+           operation_factory_context_set_grid_availability_use && operation_factory_context_set_spatial_criterion &&
+           operation_factory_context_set_area_of_interest && create_operations && list_get_count && list_get &&
+           list_destroy && coordoperation_get_grid_used_count && coordoperation_get_grid_used;
   }
 };
 
@@ -61,7 +62,8 @@ std::vector<std::string> lacking(PJ_CONTEXT* context, const PJ* operation) {
   for (int k = 0; k < count; ++k) {
     const char* name = nullptr;
     int available = 1;
-    if (proj().coordoperation_get_grid_used(context, operation, k, &name, nullptr, nullptr, nullptr, nullptr, nullptr, &available) &&
+    if (proj().coordoperation_get_grid_used(context, operation, k, &name, nullptr, nullptr, nullptr, nullptr, nullptr,
+                                            &available) &&
         !available && name && *name)
       names.emplace_back(name);
   }
@@ -72,20 +74,25 @@ std::vector<std::string> lacking(PJ_CONTEXT* context, const PJ* operation) {
 
 std::vector<std::string> missing_grids(const Crs& from, const Crs& to, const Box& lon_lat) {
   if (!proj().complete()) return {};
-  const auto context = std::unique_ptr<PJ_CONTEXT, decltype(proj().context_destroy)>(proj().context_create(), proj().context_destroy);
+  const auto context =
+      std::unique_ptr<PJ_CONTEXT, decltype(proj().context_destroy)>(proj().context_create(), proj().context_destroy);
   proj().context_set_enable_network(context.get(), 0);
   proj().log_level(context.get(), PJ_LOG_NONE);
   using Object = std::unique_ptr<PJ, decltype(proj().destroy)>;
   const Object source(proj().create(context.get(), from.inside().definition.c_str()), proj().destroy);
   const Object target(proj().create(context.get(), to.inside().definition.c_str()), proj().destroy);
-  const auto factory = std::unique_ptr<PJ_OPERATION_FACTORY_CONTEXT, decltype(proj().operation_factory_context_destroy)>(
-      proj().create_operation_factory_context(context.get(), nullptr), proj().operation_factory_context_destroy);
+  const auto factory =
+      std::unique_ptr<PJ_OPERATION_FACTORY_CONTEXT, decltype(proj().operation_factory_context_destroy)>(
+          proj().create_operation_factory_context(context.get(), nullptr), proj().operation_factory_context_destroy);
   if (!source || !target || !factory) return {};
   proj().operation_factory_context_set_allow_ballpark_transformations(context.get(), factory.get(), 0);
-  proj().operation_factory_context_set_grid_availability_use(context.get(), factory.get(), PROJ_GRID_AVAILABILITY_IGNORED);
-  proj().operation_factory_context_set_spatial_criterion(context.get(), factory.get(), PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+  proj().operation_factory_context_set_grid_availability_use(context.get(), factory.get(),
+                                                             PROJ_GRID_AVAILABILITY_IGNORED);
+  proj().operation_factory_context_set_spatial_criterion(context.get(), factory.get(),
+                                                         PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
   if (is_area(lon_lat))
-    proj().operation_factory_context_set_area_of_interest(context.get(), factory.get(), std::remainder(lon_lat.xmin, 360), lon_lat.ymin,
+    proj().operation_factory_context_set_area_of_interest(context.get(), factory.get(),
+                                                          std::remainder(lon_lat.xmin, 360), lon_lat.ymin,
                                                           std::remainder(lon_lat.xmax, 360), lon_lat.ymax);
   const auto list = std::unique_ptr<PJ_OBJ_LIST, decltype(proj().list_destroy)>(
       proj().create_operations(context.get(), source.get(), target.get(), factory.get()), proj().list_destroy);

@@ -14,8 +14,8 @@
 // What the files of the geodesy room share. Nobody else includes this.
 namespace terrane {
 
-/// What is known of a CRS, as plain values: GDAL's own objects are not safe to share between threads, so every call that
-/// needs one makes it anew from `definition`.
+/// What is known of a CRS, as plain values: GDAL's own objects are not safe to share between threads, so every call
+/// that needs one makes it anew from `definition`.
 struct Crs::Impl {
   std::string definition;             // what OSR makes the CRS from: "EPSG:25831+5773" or WKT; empty for a local frame
   std::string horizontal_definition;  // the same without the vertical part
@@ -42,12 +42,14 @@ struct Quiet {
   Quiet& operator=(const Quiet&) = delete;
 };
 
-/// The CRS of a definition, x first. Network access is off. Throws Error{internal} for what Crs::parse let through in vain.
+/// The CRS of a definition, x first. Network access is off. Throws Error{internal} for what Crs::parse let through in
+/// vain.
 OGRSpatialReference osr(const std::string& definition);
 
 using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
 
-/// Null when there is none. `lon_lat` (may be null): where, in degrees; decides between operations made for regions. `ballpark`: accept an unknown datum shift as none at all; only where a rough place is enough.
+/// Null when there is none. `lon_lat` (may be null): where, in degrees; decides between operations made for regions.
+/// `ballpark`: accept an unknown datum shift as none at all; only where a rough place is enough.
 Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat,
                                    bool ballpark);
 
@@ -56,8 +58,8 @@ Box lon_lat_box(const Crs& crs, const Box& box);
 
 /// False for the zero box and for boxes around the whole globe. A single place counts.
 inline bool is_area(const Box& lon_lat) {
-  return (lon_lat.xmin != 0 || lon_lat.xmax != 0 || lon_lat.ymin != 0 || lon_lat.ymax != 0) && lon_lat.xmax >= lon_lat.xmin &&
-         lon_lat.xmax - lon_lat.xmin < 360 && lon_lat.ymax >= lon_lat.ymin;
+  return (lon_lat.xmin != 0 || lon_lat.xmax != 0 || lon_lat.ymin != 0 || lon_lat.ymax != 0) &&
+         lon_lat.xmax >= lon_lat.xmin && lon_lat.xmax - lon_lat.xmin < 360 && lon_lat.ymax >= lon_lat.ymin;
 }
 
 /// Names of the grids that every known way from one to the other needs and that are not installed.

@@ -15,11 +15,15 @@ constexpr std::size_t max_text = 100'000;
 constexpr int max_nesting = 40;
 
 [[noreturn]] void bad_crs(const std::string& why) {
-  throw Error(ErrorKind::usage, "bad-crs", why + "; give EPSG:25831, EPSG:25831+5773, WKT, PROJJSON, an opengis.net URI, "
-                                                "local:m, local:ft or local:ftUS");
+  throw Error(ErrorKind::usage, "bad-crs",
+              why +
+                  "; give EPSG:25831, EPSG:25831+5773, WKT, PROJJSON, an opengis.net URI, "
+                  "local:m, local:ft or local:ftUS");
 }
 
-bool all(std::string_view text, bool (*test)(char)) { return !text.empty() && std::all_of(text.begin(), text.end(), test); }
+bool all(std::string_view text, bool (*test)(char)) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), test);
+}
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_word(char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
@@ -60,7 +64,8 @@ std::string uri(std::string_view text) {
     return uri_code(text.substr(small.find(":crs:") + 5), ':');
   const std::size_t host = small.find("opengis.net/def/crs");
   const std::string_view scheme = std::string_view(small).substr(0, host);
-  if (host == std::string::npos || (scheme != "http://" && scheme != "https://" && scheme != "http://www." && scheme != "https://www."))
+  if (host == std::string::npos ||
+      (scheme != "http://" && scheme != "https://" && scheme != "http://www." && scheme != "https://www."))
     return "";
   const std::string_view path = text.substr(host + 19);
   if (path.starts_with('/')) return uri_code(path.substr(1), '/');
@@ -73,8 +78,9 @@ std::string uri(std::string_view text) {
 }
 
 bool is_wkt(std::string_view text) {
-  constexpr std::array words = {"GEOGCS",    "PROJCS", "COMPD_CS",    "LOCAL_CS", "GEOGCRS", "GEODCRS", "PROJCRS",   "COMPOUNDCRS",
-                                "GEODETICCRS", "GEOGRAPHICCRS", "PROJECTEDCRS", "ENGCRS", "BOUNDCRS", "ENGINEERINGCRS", "GEOCCS"};
+  constexpr std::array words = {"GEOGCS",       "PROJCS",  "COMPD_CS",    "LOCAL_CS",       "GEOGCRS",
+                                "GEODCRS",      "PROJCRS", "COMPOUNDCRS", "GEODETICCRS",    "GEOGRAPHICCRS",
+                                "PROJECTEDCRS", "ENGCRS",  "BOUNDCRS",    "ENGINEERINGCRS", "GEOCCS"};
   const std::string_view word = trimmed(text.substr(0, text.find_first_of("[(")));
   return word.size() < text.size() && std::find(words.begin(), words.end(), upper(word)) != words.end();
 }
@@ -84,9 +90,10 @@ bool names_files(std::string_view text) {
   std::string small = lower(text);
   constexpr std::string_view harmless = "nadgrids=@null";  // how Web Mercator was once written
   for (std::size_t at; (at = small.find(harmless)) != std::string::npos;) small.erase(at, harmless.size());
-  constexpr std::array words = {"grids=", "init=", "+file", "file=", "parameterfile", "+catalog", "+model", "proj4_grids",
-                                "pipeline", "proj-based"};
-  return std::any_of(words.begin(), words.end(), [&](const char* word) { return small.find(word) != std::string::npos; });
+  constexpr std::array words = {"grids=",   "init=",  "+file",       "file=",    "parameterfile",
+                                "+catalog", "+model", "proj4_grids", "pipeline", "proj-based"};
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return small.find(word) != std::string::npos; });
 }
 
 bool nested_too_deep(std::string_view text) {
@@ -101,8 +108,10 @@ bool nested_too_deep(std::string_view text) {
 bool import_text(OGRSpatialReference& srs, const std::string& text) {
   const Quiet quiet;
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  const bool done = is_wkt(text) ? srs.importFromWkt(text.c_str()) == OGRERR_NONE
-                                 : srs.SetFromUserInput(text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
+  const bool done = is_wkt(text)
+                        ? srs.importFromWkt(text.c_str()) == OGRERR_NONE
+                        : srs.SetFromUserInput(
+                              text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) == OGRERR_NONE;
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return done;
 }
@@ -127,9 +136,11 @@ Crs Crs::parse(std::string_view given) {
   if (definition.empty() && free_text) definition = text;
   if (definition.empty()) bad_crs("the text is neither a code nor WKT, PROJJSON or an opengis.net URI");
   if (free_text && nested_too_deep(text)) bad_crs("the coordinate reference system is nested too deep");
-  if (free_text && names_files(text)) bad_crs("the coordinate reference system names grid files or PROJ pipelines, which is not allowed");
+  if (free_text && names_files(text))
+    bad_crs("the coordinate reference system names grid files or PROJ pipelines, which is not allowed");
   OGRSpatialReference srs;
-  if (!import_text(srs, definition)) bad_crs(free_text ? "the coordinate reference system is not understood" : "the register has no " + definition);
+  if (!import_text(srs, definition))
+    bad_crs(free_text ? "the coordinate reference system is not understood" : "the register has no " + definition);
   const Quiet quiet;
   // PROJJSON names a file without a keyword of its own; in WKT it has one.
   char* wkt = nullptr;

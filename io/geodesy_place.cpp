@@ -46,7 +46,7 @@ std::vector<double> unwrap_longitudes(const std::vector<Box>& boxes) {
     return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.box < b.box;
   });
   double high = spans.front().high;
-  std::size_t cut = 0;    // the first box after the widest gap
+  std::size_t cut = 0;  // the first box after the widest gap
   double gap = -1;
   for (std::size_t k = 1; k < spans.size(); ++k) {
     if (spans[k].low - high > gap) {
@@ -79,7 +79,8 @@ std::string utm_code(int zone, bool north, const std::vector<Crs>& crs) {
   const auto two = [](int number) { return (number < 10 ? "0" : "") + std::to_string(number); };
   if (north && zone >= 28 && zone <= 38 && every_datum_contains(crs, "European Terrestrial Reference System 1989"))
     return "EPSG:258" + two(zone);
-  if (north && zone >= 1 && zone <= 23 && every_datum_contains(crs, "North American Datum 1983")) return "EPSG:269" + two(zone);
+  if (north && zone >= 1 && zone <= 23 && every_datum_contains(crs, "North American Datum 1983"))
+    return "EPSG:269" + two(zone);
   return (north ? "EPSG:326" : "EPSG:327") + two(zone);
 }
 
@@ -102,7 +103,9 @@ Crs suggest_crs(const std::vector<Box>& boxes, const std::vector<Crs>& crs) {
     const Box place = lon_lat_box(crs[k], boxes[k]);
     if (std::fabs(place.ymin) <= 90 && std::fabs(place.ymax) <= 90) places.push_back(place);
   }
-  if (places.empty()) throw Error(ErrorKind::input, "no-crs", "no input has a place on the Earth, so no system can be proposed; give one with crs");
+  if (places.empty())
+    throw Error(ErrorKind::input, "no-crs",
+                "no input has a place on the Earth, so no system can be proposed; give one with crs");
   const std::vector<double> shifts = unwrap_longitudes(places);
   Box all{INFINITY, INFINITY, -INFINITY, -INFINITY};
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -111,7 +114,8 @@ Crs suggest_crs(const std::vector<Box>& boxes, const std::vector<Crs>& crs) {
     all.ymin = std::min(all.ymin, places[k].ymin);
     all.ymax = std::max(all.ymax, places[k].ymax);
   }
-  const double longitude = std::remainder(all.xmin + (all.xmax - all.xmin) / 2, 360), latitude = all.ymin + (all.ymax - all.ymin) / 2;
+  const double longitude = std::remainder(all.xmin + (all.xmax - all.xmin) / 2, 360),
+               latitude = all.ymin + (all.ymax - all.ymin) / 2;
   const int zone = GeographicLib::UTMUPS::StandardZone(latitude, longitude);
   if (zone > 0) {
     const double middle = 6 * zone - 183;

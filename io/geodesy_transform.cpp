@@ -29,15 +29,15 @@ class Mover {
  public:
   Mover(const Crs& from, const Crs& to, const Box& area);
 
-  /// Moves points in place; those that cannot be become NaN.
-  void move(Point* points, std::size_t count) const;
+  /// Moves points in place; those that cannot be become NaN. `surely`: looks whether they come back.
+  void move(Point* points, std::size_t count, bool surely) const;
   /// False when planes stay planes: units change, nothing else.
   bool bends() const { return there_ != nullptr; }
   bool shifts_heights() const { return shift_heights_; }
   bool converts_height_units() const { return !shift_heights_ && height_factor_ != 1; }
 
  private:
-  void transform_chunk(Point* points, std::size_t count) const;
+  void transform_chunk(Point* points, std::size_t count, bool surely) const;
 
   Transformation there_, back_;  // null when the plan stays as it is
   bool keep_plan_ = false, shift_heights_ = false, from_geographic_ = false, to_geographic_ = false;
@@ -45,12 +45,15 @@ class Mover {
 };
 
 Mover::Mover(const Crs& from, const Crs& to, const Box& area) {
-  if (!from.known() || !to.known()) throw Error(ErrorKind::usage, "no-crs", "a transformation needs both coordinate reference systems; give assume-crs");
+  if (!from.known() || !to.known())
+    throw Error(ErrorKind::usage, "no-crs",
+                "a transformation needs both coordinate reference systems; give assume-crs");
   height_factor_ = from.metres_per_height_unit() / to.metres_per_height_unit();
   if (from.local() || to.local()) {
     if (!(from.local() && to.local()))
-      throw Error(ErrorKind::input, "local-frame", "a local frame has no place on the Earth, so it cannot be transformed to or from " +
-                                                       (from.local() ? to : from).name() + "; give the real system with crs");
+      throw Error(ErrorKind::input, "local-frame",
+                  "a local frame has no place on the Earth, so it cannot be transformed to or from " +
+                      (from.local() ? to : from).name() + "; give the real system with crs");
     keep_plan_ = true;
     plan_factor_ = from.metres_per_length_unit() / to.metres_per_length_unit();
     return;
@@ -70,21 +73,27 @@ Mover::Mover(const Crs& from, const Crs& to, const Box& area) {
   if (!there_) {
     const std::vector<std::string> grids = missing_grids(from, to, lon_lat);
     if (!grids.empty())
-      throw Error(ErrorKind::input, "missing-grid", "the way from " + from.name() + " to " + to.name() + " needs the grid " + listed(grids) +
-                                                        ", which is not installed; install it (package proj-data or https://cdn.proj.org) or choose another target-crs");
-    throw Error(ErrorKind::input, "no-transformation", "no transformation from " + from.name() + " to " + to.name() +
-                                                           " is known here (it may need a grid that is not installed); choose another target-crs");
+      throw Error(ErrorKind::input, "missing-grid",
+                  "the way from " + from.name() + " to " + to.name() + " needs the grid " + listed(grids) +
+                      ", which is not installed; install it (package proj-data or https://cdn.proj.org) or choose "
+                      "another target-crs");
+    throw Error(ErrorKind::input, "no-transformation",
+                "no transformation from " + from.name() + " to " + to.name() +
+                    " is known here (it may need a grid that is not installed); choose another target-crs");
   }
-  if (!keep_plan_) back_ = make_transformation(osr(b.horizontal_definition), osr(a.horizontal_definition), &lon_lat, false);
+  if (!keep_plan_)
+    back_ = make_transformation(osr(b.horizontal_definition), osr(a.horizontal_definition), &lon_lat, false);
 }
 
-void Mover::move(Point* points, std::size_t count) const {
-  for (std::size_t first = 0; first < count; first += chunk) transform_chunk(points + first, std::min(chunk, count - first));
+void Mover::move(Point* points, std::size_t count, bool surely) const {
+  for (std::size_t first = 0; first < count; first += chunk)
+    transform_chunk(points + first, std::min(chunk, count - first), surely);
 }
 
-void Mover::transform_chunk(Point* points, std::size_t count) const {
+void Mover::transform_chunk(Point* points, std::size_t count, bool surely) const {
   if (!there_) {
-    for (Point* p = points; p != points + count; ++p) *p = {p->x * plan_factor_, p->y * plan_factor_, p->z * height_factor_};
+    for (Point* p = points; p != points + count; ++p)
+      *p = {p->x * plan_factor_, p->y * plan_factor_, p->z * height_factor_};
     return;
   }
   std::vector<double> x(count), y(count), z(count, 0.0), bx, by;
@@ -96,7 +105,8 @@ void Mover::transform_chunk(Point* points, std::size_t count) const {
   const Quiet quiet;
   const auto n = static_cast<int>(count);
   there_->Transform(n, x.data(), y.data(), z.data());
-  if (back_) {
+  surely = surely && back_;
+  if (surely) {
     // Beyond what a projection can hold some formulas return numbers all the same: those do not come back.
     bx = x;
     by = y;
@@ -105,9 +115,10 @@ void Mover::transform_chunk(Point* points, std::size_t count) const {
   for (std::size_t k = 0; k < count; ++k) {
     Point& p = points[k];
     bool good = std::isfinite(x[k]) && std::isfinite(y[k]) && std::isfinite(z[k]);
-    if (good && back_) {
+    if (good && surely) {
       const double metres = from_geographic_ ? 111'320 : metres_per_unit_;
-      const double dx = from_geographic_ ? std::remainder(bx[k] - p.x, 360) * std::cos(p.y * std::numbers::pi / 180) : bx[k] - p.x;
+      const double dx =
+          from_geographic_ ? std::remainder(bx[k] - p.x, 360) * std::cos(p.y * std::numbers::pi / 180) : bx[k] - p.x;
       good = std::hypot(dx, by[k] - p.y) * metres < 1;
     }
     const double height = shift_heights_ ? z[k] : p.z * height_factor_;
@@ -145,7 +156,8 @@ double bend(const Point& m, const Point& a, const Point& b, const Point& c) {
   return std::fabs(a.z + t * (b.z - a.z) - m.z);
 }
 
-double measure_planarity(const Tin& before, const Tin& after, const Mover& mover, bool to_geographic, Context& context) {
+double measure_planarity(const Tin& before, const Tin& after, const Mover& mover, bool to_geographic,
+                         Context& context) {
   double worst = 0;
   std::vector<Point> middles;
   constexpr std::size_t faces_per_chunk = chunk / 3;
@@ -158,11 +170,12 @@ double measure_planarity(const Tin& before, const Tin& after, const Mover& mover
         const Point &a = before.vertices[before.faces[f][k]], &b = before.vertices[before.faces[f][(k + 1) % 3]];
         middles.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2, a.z + (b.z - a.z) / 2});
       }
-    mover.move(middles.data(), middles.size());
+    mover.move(middles.data(), middles.size(), false);
     for (std::size_t f = first; f < last; ++f)
       for (int k = 0; k < 3; ++k) {
         const Face& face = after.faces[f];
-        const Point &a = after.vertices[face[k]], &b = after.vertices[face[(k + 1) % 3]], &c = after.vertices[face[(k + 2) % 3]];
+        const Point &a = after.vertices[face[k]], &b = after.vertices[face[(k + 1) % 3]],
+                    &c = after.vertices[face[(k + 2) % 3]];
         Point m = middles[3 * (f - first) + k];
         if (to_geographic) m.x = a.x + std::remainder(m.x - a.x, 360);
         const double d = std::isfinite(m.x) ? bend(m, a, b, c) : 0;
@@ -186,17 +199,19 @@ Box box_of(const std::vector<Point>& points) {
 
 }  // namespace
 
-Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat, bool ballpark) {
+Transformation make_transformation(const OGRSpatialReference& from, const OGRSpatialReference& to, const Box* lon_lat,
+                                   bool ballpark) {
   OGRCoordinateTransformationOptions options;
   options.SetBallparkAllowed(ballpark);
   if (lon_lat && is_area(*lon_lat))
-    options.SetAreaOfInterest(std::remainder(lon_lat->xmin, 360), std::max(lon_lat->ymin, -90.0), std::remainder(lon_lat->xmax, 360),
-                              std::min(lon_lat->ymax, 90.0));
+    options.SetAreaOfInterest(std::remainder(lon_lat->xmin, 360), std::max(lon_lat->ymin, -90.0),
+                              std::remainder(lon_lat->xmax, 360), std::min(lon_lat->ymax, 90.0));
   return Transformation(OGRCreateCoordinateTransformation(&from, &to, options));
 }
 
 Box lon_lat_box(const Crs& crs, const Box& box) {
-  const bool real = std::isfinite(box.xmin) && std::isfinite(box.xmax) && std::isfinite(box.ymin) && std::isfinite(box.ymax);
+  const bool real =
+      std::isfinite(box.xmin) && std::isfinite(box.xmax) && std::isfinite(box.ymin) && std::isfinite(box.ymax);
   if (!crs.known() || crs.local() || !real) return {};
   if (crs.geographic()) return box;
   const Quiet quiet;
@@ -221,27 +236,30 @@ Box lon_lat_box(const Crs& crs, const Box& box) {
 Tin transform(const Tin& tin, const Crs& from, const Crs& to, double* planarity_error, Context& context) {
   const Mover mover(from, to, bounds(tin));
   if (mover.converts_height_units())
-    context.warn({"heights-converted", "", "", "heights were converted from " + from.height_unit() + " to " + to.height_unit(),
-                  "if they are in " + to.height_unit() + " already, say so with a compound CRS such as EPSG:25831+5773"});
+    context.warn(
+        {"heights-converted", "", "", "heights were converted from " + from.height_unit() + " to " + to.height_unit(),
+         "if they are in " + to.height_unit() + " already, say so with a compound CRS such as EPSG:25831+5773"});
   Tin out = tin;
   for (std::size_t first = 0; first < out.vertices.size(); first += chunk) {
     context.progress("transform", 0.5 * static_cast<double>(first) / static_cast<double>(out.vertices.size()));
     const std::size_t count = std::min(chunk, out.vertices.size() - first);
-    mover.move(out.vertices.data() + first, count);
+    mover.move(out.vertices.data() + first, count, true);
     for (std::size_t v = first; v < first + count; ++v)
       if (!std::isfinite(out.vertices[v].x))
-        throw Error(ErrorKind::input, "outside-crs", "vertex " + std::to_string(v) + " at " + std::to_string(tin.vertices[v].x) + ", " +
-                                                         std::to_string(tin.vertices[v].y) + " has no place in " + to.name() +
-                                                         (mover.shifts_heights() ? " or lies outside the grid of its heights" : "") +
-                                                         "; choose a target-crs that covers the data");
+        throw Error(ErrorKind::input, "outside-crs",
+                    "vertex " + std::to_string(v) + " at " + std::to_string(tin.vertices[v].x) + ", " +
+                        std::to_string(tin.vertices[v].y) + " has no place in " + to.name() +
+                        (mover.shifts_heights() ? " or lies outside the grid of its heights" : "") +
+                        "; choose a target-crs that covers the data");
   }
   if (to.geographic() && !from.same_plan(to)) rejoin_longitudes(out.vertices);
-  if (planarity_error) *planarity_error = !mover.bends() ? 0 : measure_planarity(tin, out, mover, to.geographic(), context);
+  if (planarity_error)
+    *planarity_error = !mover.bends() ? 0 : measure_planarity(tin, out, mover, to.geographic(), context);
   return out;
 }
 
 void transform_points(std::vector<Point>& points, const Crs& from, const Crs& to) {
-  Mover(from, to, box_of(points)).move(points.data(), points.size());
+  Mover(from, to, box_of(points)).move(points.data(), points.size(), true);
 }
 
 }  // namespace terrane

@@ -12,7 +12,8 @@
 #include "io/text.hpp"
 #include "io/tiff_directory.hpp"
 
-// GeoTIFF and COG, through GDAL. Everything that costs memory is checked against the bytes that are there before it is read.
+// GeoTIFF and COG, through GDAL. Everything that costs memory is checked against the bytes that are there before it is
+// read.
 namespace terrane {
 
 namespace {
@@ -32,7 +33,8 @@ class TiffReader {
     const char* siblings[] = {nullptr};
     dataset_.reset(static_cast<GDALDataset*>(
         GDALOpenEx(file_.name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, open_options, siblings)));
-    if (dataset_ && !tiff_directory_complete(bytes_)) bad("truncated", "its directory points beyond its end; send the file again");
+    if (dataset_ && !tiff_directory_complete(bytes_))
+      bad("truncated", "its directory points beyond its end; send the file again");
     if (!dataset_) bad("wrong-magic", "this is no TIFF that can be read, or it is cut off; send the file again");
     check_size();
     band_ = dataset_->GetRasterBand(1);
@@ -51,7 +53,9 @@ class TiffReader {
   }
 
  private:
-  [[noreturn]] void bad(std::string code, const std::string& what) const { bad_input(options_, std::move(code), "", what); }
+  [[noreturn]] void bad(std::string code, const std::string& what) const {
+    bad_input(options_, std::move(code), "", what);
+  }
 
   void check_size();
   void place(Raster& raster);
@@ -79,7 +83,8 @@ void TiffReader::check_size() {
   if (GDALDataTypeIsComplex(type)) bad("bad-type", "complex numbers are no heights");
   const char* codec = dataset_->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE");
   const std::string compression = codec ? codec : "";
-  constexpr const char* known[] = {"", "LZW", "DEFLATE", "PACKBITS", "LERC", "LERC_DEFLATE", "LERC_ZSTD", "ZSTD", "LZMA"};
+  constexpr const char* known[] = {"",          "LZW",  "DEFLATE", "PACKBITS", "LERC", "LERC_DEFLATE",
+                                   "LERC_ZSTD", "ZSTD", "LZMA"};
   if (std::find(std::begin(known), std::end(known), compression) == std::end(known))
     bad("compression", "its compression is made for pictures, not heights; convert it to DEFLATE, LZW, ZSTD or none");
   const double width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
@@ -92,10 +97,12 @@ void TiffReader::check_size() {
   const double image = width * height * size, block = static_cast<double>(block_width) * block_height * size * bands;
   const double room = std::max(free_size, max_expansion * static_cast<double>(bytes_.size()));
   if (image > room || block > room)
-    bad("truncated", "it announces " + std::to_string(static_cast<long long>(width)) + " x " + std::to_string(static_cast<long long>(height)) +
-                         " samples, which " + std::to_string(bytes_.size()) + " bytes cannot hold; send the file again");
+    bad("truncated", "it announces " + std::to_string(static_cast<long long>(width)) + " x " +
+                         std::to_string(static_cast<long long>(height)) + " samples, which " +
+                         std::to_string(bytes_.size()) + " bytes cannot hold; send the file again");
   if (compression.empty() && image > static_cast<double>(bytes_.size()))
-    bad("truncated", "the file is shorter than its samples: cut off, or written with blocks left out; send it again, whole");
+    bad("truncated",
+        "the file is shorter than its samples: cut off, or written with blocks left out; send it again, whole");
 }
 
 void TiffReader::place(Raster& raster) {
@@ -106,7 +113,8 @@ void TiffReader::place(Raster& raster) {
     bad("no-georeference", "the TIFF does not say where it lies (no geotransform inside); georeference it first");
   for (double value : t)
     if (!std::isfinite(value)) bad("bad-number", "its geotransform holds a number that is not finite");
-  if (t[2] != 0 || t[4] != 0) bad("rotated", "the raster is rotated against its coordinate system; warp it to north up first");
+  if (t[2] != 0 || t[4] != 0)
+    bad("rotated", "the raster is rotated against its coordinate system; warp it to north up first");
   if (t[1] == 0 || t[5] == 0) bad("bad-number", "its cells have no size");
   const char* point = dataset_->GetMetadataItem("AREA_OR_POINT");
   // With GTIFF_POINT_GEO_IGNORE the tie point of a point raster is its first sample itself: nothing is rounded.
@@ -126,14 +134,16 @@ void TiffReader::read_samples(Raster& raster) {
   raster.samples.resize(width * raster.height);
   int block_width = 0, block_height = 0;
   band_->GetBlockSize(&block_width, &block_height);
-  const int rows_at_once = std::max(1, static_cast<int>(std::max<std::size_t>(1, (1 << 20) / width) / block_height)) * block_height;
+  const int rows_at_once =
+      std::max(1, static_cast<int>(std::max<std::size_t>(1, (1 << 20) / width) / block_height)) * block_height;
   const bool masked = (band_->GetMaskFlags() & (GMF_PER_DATASET | GMF_ALPHA)) != 0;
   for (int first = 0; first < raster.height; first += rows_at_once) {
     context_.progress("read", static_cast<double>(first) / raster.height);
     const int rows = std::min(rows_at_once, raster.height - first);
-    if (band_->RasterIO(GF_Read, 0, first, raster.width, rows, raster.samples.data() + width * first, raster.width, rows, GDT_Float64, 0, 0,
-                        nullptr) != CE_None)
-      bad_input(options_, "truncated", "row " + std::to_string(first), "samples cannot be read; the file is cut off or damaged, send it again");
+    if (band_->RasterIO(GF_Read, 0, first, raster.width, rows, raster.samples.data() + width * first, raster.width,
+                        rows, GDT_Float64, 0, 0, nullptr) != CE_None)
+      bad_input(options_, "truncated", "row " + std::to_string(first),
+                "samples cannot be read; the file is cut off or damaged, send it again");
     apply_no_data(raster, first, rows);
     if (masked) read_mask(raster, first, rows);
   }
@@ -145,7 +155,8 @@ void TiffReader::apply_no_data(Raster& raster, int first, int rows) {
   double scale = band_->GetScale(&has_scale), offset = band_->GetOffset(&has_offset);
   if (!has_scale) scale = 1;
   if (!has_offset) offset = 0;
-  if (!std::isfinite(scale) || !std::isfinite(offset) || scale == 0) bad("bad-number", "its scale or offset is no usable number");
+  if (!std::isfinite(scale) || !std::isfinite(offset) || scale == 0)
+    bad("bad-number", "its scale or offset is no usable number");
   const bool single = band_->GetRasterDataType() == GDT_Float32;
   const std::size_t width = raster.width, begin = width * first, end = begin + width * rows;
   for (std::size_t k = begin; k < end; ++k) {
@@ -157,7 +168,8 @@ void TiffReader::apply_no_data(Raster& raster, int first, int rows) {
     }
     z = z * scale + offset;
     if (!std::isfinite(z))
-      bad_input(options_, "not-finite", "sample in column " + std::to_string(k % width) + ", row " + std::to_string(k / width),
+      bad_input(options_, "not-finite",
+                "sample in column " + std::to_string(k % width) + ", row " + std::to_string(k / width),
                 "the height is infinite; declare such samples as NoData");
   }
 }
@@ -165,8 +177,10 @@ void TiffReader::apply_no_data(Raster& raster, int first, int rows) {
 void TiffReader::read_mask(Raster& raster, int first, int rows) {
   const std::size_t width = raster.width;
   std::vector<GByte> mask(width * rows);
-  if (band_->GetMaskBand()->RasterIO(GF_Read, 0, first, raster.width, rows, mask.data(), raster.width, rows, GDT_Byte, 0, 0, nullptr) != CE_None)
-    bad_input(options_, "truncated", "row " + std::to_string(first), "the mask cannot be read; the file is cut off or damaged, send it again");
+  if (band_->GetMaskBand()->RasterIO(GF_Read, 0, first, raster.width, rows, mask.data(), raster.width, rows, GDT_Byte,
+                                     0, 0, nullptr) != CE_None)
+    bad_input(options_, "truncated", "row " + std::to_string(first),
+              "the mask cannot be read; the file is cut off or damaged, send it again");
   for (std::size_t k = 0; k < mask.size(); ++k)
     if (mask[k] == 0) raster.samples[width * first + k] = std::numeric_limits<double>::quiet_NaN();
 }
@@ -184,14 +198,24 @@ Crs TiffReader::read_crs() {
 /// A band may say its own unit; where it contradicts the CRS the heights are converted.
 void TiffReader::convert_heights(Raster& raster, const Crs& crs) {
   const std::string unit = lower(band_->GetUnitType() ? band_->GetUnitType() : "");
-  constexpr std::pair<const char*, double> units[] = {
-      {"m", 1}, {"metre", 1}, {"meter", 1}, {"metres", 1}, {"meters", 1}, {"ft", 0.3048}, {"foot", 0.3048}, {"feet", 0.3048},
-      {"ftus", 1200.0 / 3937}, {"us survey foot", 1200.0 / 3937}, {"us_survey_foot", 1200.0 / 3937}, {"ft us", 1200.0 / 3937}};
+  constexpr std::pair<const char*, double> units[] = {{"m", 1},
+                                                      {"metre", 1},
+                                                      {"meter", 1},
+                                                      {"metres", 1},
+                                                      {"meters", 1},
+                                                      {"ft", 0.3048},
+                                                      {"foot", 0.3048},
+                                                      {"feet", 0.3048},
+                                                      {"ftus", 1200.0 / 3937},
+                                                      {"us survey foot", 1200.0 / 3937},
+                                                      {"us_survey_foot", 1200.0 / 3937},
+                                                      {"ft us", 1200.0 / 3937}};
   for (const auto& [name, metres] : units) {
     if (unit != name || !crs.known() || std::fabs(metres / crs.metres_per_height_unit() - 1) < 1e-9) continue;
     for (double& z : raster.samples) z = z * metres / crs.metres_per_height_unit();
-    context_.warn({"heights-converted", options_.name, "", "the raster says its heights are in " + one_line(band_->GetUnitType()) +
-                                                               "; they were converted to " + crs.height_unit(),
+    context_.warn({"heights-converted", options_.name, "",
+                   "the raster says its heights are in " + one_line(band_->GetUnitType()) +
+                       "; they were converted to " + crs.height_unit(),
                    "correct the unit in the file if this is wrong"});
   }
 }
@@ -199,7 +223,8 @@ void TiffReader::convert_heights(Raster& raster, const Crs& crs) {
 void TiffReader::turn_north_up(Raster& raster) const {
   const auto row = [&](int j) { return raster.samples.begin() + static_cast<std::ptrdiff_t>(j) * raster.width; };
   if (flip_rows_)
-    for (int j = 0; j < raster.height / 2; ++j) std::swap_ranges(row(j), row(j) + raster.width, row(raster.height - 1 - j));
+    for (int j = 0; j < raster.height / 2; ++j)
+      std::swap_ranges(row(j), row(j) + raster.width, row(raster.height - 1 - j));
   if (flip_columns_)
     for (int j = 0; j < raster.height; ++j) std::reverse(row(j), row(j) + raster.width);
 }
@@ -211,11 +236,14 @@ Format geotiff_format() {
           {".tif", ".tiff"},
           "image/tiff",
           "GeoTIFF or COG with heights in its first band, NoData as voids.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) { return TiffReader(bytes, options, context).read(); },
+          [](std::string_view bytes, const ReadOptions& options, Context& context) {
+            return TiffReader(bytes, options, context).read();
+          },
           nullptr,
           [](std::string_view head) {
             using namespace std::string_view_literals;
-            return head.starts_with("II*\0"sv) || head.starts_with("MM\0*"sv) || head.starts_with("II+\0"sv) || head.starts_with("MM\0+"sv);
+            return head.starts_with("II*\0"sv) || head.starts_with("MM\0*"sv) || head.starts_with("II+\0"sv) ||
+                   head.starts_with("MM\0+"sv);
           }};
 }
 

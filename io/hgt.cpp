@@ -6,7 +6,8 @@
 #include "io/format_list.hpp"
 #include "io/text.hpp"
 
-// SRTM's HGT: nothing but big-endian 16-bit heights. The name says where: N44W072.hgt is the degree north and east of there.
+// SRTM's HGT: nothing but big-endian 16-bit heights. The name says where: N44W072.hgt is the degree north and east of
+// there.
 namespace terrane {
 
 namespace {
@@ -28,10 +29,11 @@ Corner corner_of(const ReadOptions& options) {
     return value;
   };
   const int latitude = number(1, 2), longitude = number(4, 3);
-  const bool good = name.size() >= 7 && (name[0] == 'n' || name[0] == 's') && (name[3] == 'e' || name[3] == 'w') && latitude >= 0 &&
-                    latitude <= 90 && longitude >= 0 && longitude <= 180;
+  const bool good = name.size() >= 7 && (name[0] == 'n' || name[0] == 's') && (name[3] == 'e' || name[3] == 'w') &&
+                    latitude >= 0 && latitude <= 90 && longitude >= 0 && longitude <= 180;
   if (!good)
-    bad_input(options, "no-place", "", "an HGT file says where it lies only by its name; send it under its own, such as N44W072.hgt");
+    bad_input(options, "no-place", "",
+              "an HGT file says where it lies only by its name; send it under its own, such as N44W072.hgt");
   return {name[0] == 's' ? -latitude : latitude, name[3] == 'w' ? -longitude : longitude};
 }
 
@@ -48,8 +50,9 @@ Dataset read_hgt(std::string_view bytes, const ReadOptions& options, Context& co
       raster.height = size.height;
     }
   if (raster.width == 0)
-    bad_input(options, "truncated", "", "an HGT tile has 1201 x 1201 or 3601 x 3601 samples of two bytes, but this file has " +
-                                            std::to_string(bytes.size()) + " bytes; send it again");
+    bad_input(options, "truncated", "",
+              "an HGT tile has 1201 x 1201 or 3601 x 3601 samples of two bytes, but this file has " +
+                  std::to_string(bytes.size()) + " bytes; send it again");
   check_count(options, bytes.size() / 2, options.max_samples, "samples");
   context.progress("read", 0);
   raster.x0 = corner.longitude;

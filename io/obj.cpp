@@ -45,7 +45,7 @@ class ObjReader {
   std::vector<Index> corners_;  // of the polygons, one after another
   std::vector<Polygon> polygons_;
   std::size_t line_ = 0, faces_ = 0;
-  Index furthest_ = -1;            // the largest index used before its vertex was there
+  Index furthest_ = -1;  // the largest index used before its vertex was there
   std::size_t furthest_line_ = 0;
   bool ours_ = false, ended_ = false;
 };
@@ -101,9 +101,11 @@ void ObjReader::read_end(std::string_view text) {
   const bool found = error == std::errc() && end - p > 2 && p[0] == 'f' && p[1] == '=' &&
                      std::from_chars(p + 2, end, faces).ec == std::errc();
   if (!found || vertices != tin_.vertices.size() || faces != faces_)
-    bad("truncated", "the end line counts " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-                         " faces, but there are " + std::to_string(tin_.vertices.size()) + " and " +
-                         std::to_string(faces_) + "; send the file again", line_);
+    bad("truncated",
+        "the end line counts " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
+            " faces, but there are " + std::to_string(tin_.vertices.size()) + " and " + std::to_string(faces_) +
+            "; send the file again",
+        line_);
   ended_ = true;
 }
 
@@ -128,8 +130,10 @@ Index ObjReader::corner(const char*& p, const char* end) {
   const bool fits = error == std::errc() && index != 0 && index >= -count &&
                     index <= static_cast<long long>(std::min<std::size_t>(options_.max_vertices, 0x7fffffff));
   if (!fits)
-    bad("index-out-of-range", "face " + std::to_string(faces_ + 1) + " uses a vertex that does not exist; indices run from 1 to " +
-                                  std::to_string(count) + " or from -1 backwards", line_);
+    bad("index-out-of-range",
+        "face " + std::to_string(faces_ + 1) + " uses a vertex that does not exist; indices run from 1 to " +
+            std::to_string(count) + " or from -1 backwards",
+        line_);
   p = next;
   while (p != end && !is_blank(*p)) ++p;  // texture and normal indices
   const auto at = static_cast<Index>(index < 0 ? count + index : index - 1);
@@ -146,8 +150,10 @@ void ObjReader::read_face(const char* p, const char* end) {
   const std::size_t count = corners_.size() - first;
   if (count < 3) bad("bad-face", "face " + std::to_string(faces_ + 1) + " has fewer than three corners", line_);
   if (count > max_polygon_corners)
-    bad("bad-face", "face " + std::to_string(faces_ + 1) + " has more than " + std::to_string(max_polygon_corners) +
-                        " corners; triangulate it first", line_);
+    bad("bad-face",
+        "face " + std::to_string(faces_ + 1) + " has more than " + std::to_string(max_polygon_corners) +
+            " corners; triangulate it first",
+        line_);
   ++faces_;
   if (count == 3) {
     tin_.faces.push_back({corners_[first], corners_[first + 1], corners_[first + 2]});
@@ -160,9 +166,11 @@ void ObjReader::read_face(const char* p, const char* end) {
 void ObjReader::finish() {
   if (ours_ && !ended_) bad("truncated", "the end line is missing, so the file is cut off; send it again", line_);
   if (furthest_ >= static_cast<Index>(tin_.vertices.size()))
-    bad("index-out-of-range", "a face uses vertex " + std::to_string(furthest_ + 1ll) + " of " +
-                                  std::to_string(tin_.vertices.size()), furthest_line_);
-  if (tin_.vertices.empty() && faces_ == 0 && !ours_) bad_input(options_, "not-obj", "", "no vertex and no face of an OBJ file");
+    bad("index-out-of-range",
+        "a face uses vertex " + std::to_string(furthest_ + 1ll) + " of " + std::to_string(tin_.vertices.size()),
+        furthest_line_);
+  if (tin_.vertices.empty() && faces_ == 0 && !ours_)
+    bad_input(options_, "not-obj", "", "no vertex and no face of an OBJ file");
   std::size_t done = 0;
   for (const Polygon& polygon : polygons_) {
     if (++done % 256 == 0) context_.progress("read", 1);
@@ -180,7 +188,8 @@ std::string write_obj(const Tin& tin, const Crs& crs, const WriteOptions& option
     out.append("# ").append(one_line(key)).append(": ").append(one_line(value)).append("\n");
   std::size_t lines = 0;
   for (const Point& p : tin.vertices) {
-    if (++lines % 65536 == 0) context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
+    if (++lines % 65536 == 0)
+      context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
     out += "v ";
     append_number(out, p.x);
     out += ' ';
@@ -190,7 +199,8 @@ std::string write_obj(const Tin& tin, const Crs& crs, const WriteOptions& option
     out += '\n';
   }
   for (const Face& face : tin.faces) {
-    if (++lines % 65536 == 0) context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
+    if (++lines % 65536 == 0)
+      context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
     out += 'f';
     for (Index v : face) {
       out += ' ';

@@ -106,7 +106,9 @@ class PlyReader {
       }
     }
     if (!vertices) bad_input(options_, "bad-header", "", "the header names no element vertex");
-    if (!faces) bad_input(options_, "bad-header", "", "the header names no element face: points are no surface; triangulate them");
+    if (!faces)
+      bad_input(options_, "bad-header", "",
+                "the header names no element face: points are no surface; triangulate them");
     finish();
     out.surface = std::move(tin_);
     return out;
@@ -128,7 +130,8 @@ class PlyReader {
     std::size_t values = 1;
     if (property.list) {
       double count = 0;
-      if (!body_.read(property.count_type, count) || count < 0 || count != std::floor(count) || count > body_.left()) return false;
+      if (!body_.read(property.count_type, count) || count < 0 || count != std::floor(count) || count > body_.left())
+        return false;
       values = static_cast<std::size_t>(count);
     }
     if (!ascii) return body_.skip(values * ply_size(property.type));
@@ -142,7 +145,8 @@ class PlyReader {
     for (std::size_t row = 0; row < element.count; ++row) {
       if (row % 65536 == 65535) context_.progress("read", 0.5);
       for (const PlyProperty& property : element.properties)
-        if (!skip_property(property)) bad_row("element " + one_line(element.name.substr(0, 40)) + " " + std::to_string(row));
+        if (!skip_property(property))
+          bad_row("element " + one_line(element.name.substr(0, 40)) + " " + std::to_string(row));
     }
   }
 
@@ -152,7 +156,7 @@ class PlyReader {
     int found = 0;
     for (const PlyProperty& property : element.properties) {
       const std::size_t k = property.list || property.name.size() != 1 ? std::string_view::npos
-                                                                        : std::string_view("xyz").find(property.name[0]);
+                                                                       : std::string_view("xyz").find(property.name[0]);
       axis.push_back(k == std::string_view::npos ? -1 : static_cast<int>(k));
       if (axis.back() >= 0) {
         if (found & 1 << axis.back()) bad_input(options_, "bad-header", "", "a vertex has the same coordinate twice");
@@ -162,7 +166,8 @@ class PlyReader {
     if (found != 7) bad_input(options_, "bad-header", "", "a vertex needs the properties x, y and z");
     tin_.vertices.reserve(element.count);
     for (std::size_t row = 0; row < element.count; ++row) {
-      if (row % 65536 == 65535) context_.progress("read", static_cast<double>(row) / static_cast<double>(element.count) / 2);
+      if (row % 65536 == 65535)
+        context_.progress("read", static_cast<double>(row) / static_cast<double>(element.count) / 2);
       double xyz[3];
       for (std::size_t k = 0; k < axis.size(); ++k) {
         const PlyProperty& property = element.properties[k];
@@ -183,7 +188,8 @@ class PlyReader {
       bad_input(options_, "bad-header", "", "a face needs the list property vertex_indices");
     tin_.faces.reserve(element.count);
     for (std::size_t row = 0; row < element.count; ++row) {
-      if (row % 65536 == 65535) context_.progress("read", 0.5 + static_cast<double>(row) / static_cast<double>(element.count) / 2);
+      if (row % 65536 == 65535)
+        context_.progress("read", 0.5 + static_cast<double>(row) / static_cast<double>(element.count) / 2);
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
         if (k == list)
           read_corners(element.properties[k], row);
@@ -198,8 +204,9 @@ class PlyReader {
     double count = 0;
     if (!body_.read(property.count_type, count)) bad_row(place());
     if (!(count >= 3 && count <= max_polygon_corners) || count != std::floor(count))
-      bad_input(options_, "bad-face", place(), "a face has from 3 to " + std::to_string(max_polygon_corners) +
-                                                   " corners; triangulate larger ones first");
+      bad_input(
+          options_, "bad-face", place(),
+          "a face has from 3 to " + std::to_string(max_polygon_corners) + " corners; triangulate larger ones first");
     const std::size_t first = corners_.size();
     for (int k = 0; k < static_cast<int>(count); ++k) {
       double index = 0;
@@ -231,8 +238,8 @@ class PlyReader {
       check_indices(std::span(corners_).subspan(polygon.first, polygon.count), polygon.face);
     if (furthest_ >= static_cast<Index>(tin_.vertices.size()))
       bad_input(options_, "index-out-of-range", "face " + std::to_string(furthest_face_),
-                "vertex " + std::to_string(furthest_) + " does not exist; there are " + std::to_string(tin_.vertices.size()) +
-                    ", counted from 0");
+                "vertex " + std::to_string(furthest_) + " does not exist; there are " +
+                    std::to_string(tin_.vertices.size()) + ", counted from 0");
     std::size_t done = 0;
     for (const Polygon& polygon : polygons_) {
       if (++done % 256 == 0) context_.progress("read", 1);

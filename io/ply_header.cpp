@@ -49,8 +49,9 @@ class HeaderReader {
   std::string_view next_line() {
     ++line_;
     const std::size_t newline = bytes_.find('\n', at_);
-    if (newline == std::string_view::npos) bad_input(options_, line_ == 1 ? "wrong-magic" : "truncated", "line " + std::to_string(line_),
-                                                     line_ == 1 ? "no PLY header" : "the PLY header has no end; send the file again");
+    if (newline == std::string_view::npos)
+      bad_input(options_, line_ == 1 ? "wrong-magic" : "truncated", "line " + std::to_string(line_),
+                line_ == 1 ? "no PLY header" : "the PLY header has no end; send the file again");
     std::string_view line = bytes_.substr(at_, newline - at_);
     at_ = newline + 1;
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -97,10 +98,12 @@ class HeaderReader {
 
   PlyScalar scalar(std::string_view word) const {
     static constexpr std::pair<std::string_view, PlyScalar> words[] = {
-        {"char", PlyScalar::i8},    {"int8", PlyScalar::i8},     {"uchar", PlyScalar::u8},   {"uint8", PlyScalar::u8},
-        {"short", PlyScalar::i16},  {"int16", PlyScalar::i16},   {"ushort", PlyScalar::u16}, {"uint16", PlyScalar::u16},
-        {"int", PlyScalar::i32},    {"int32", PlyScalar::i32},   {"uint", PlyScalar::u32},   {"uint32", PlyScalar::u32},
-        {"float", PlyScalar::f32},  {"float32", PlyScalar::f32}, {"double", PlyScalar::f64}, {"float64", PlyScalar::f64}};
+        {"char", PlyScalar::i8},    {"int8", PlyScalar::i8},     {"uchar", PlyScalar::u8},
+        {"uint8", PlyScalar::u8},   {"short", PlyScalar::i16},   {"int16", PlyScalar::i16},
+        {"ushort", PlyScalar::u16}, {"uint16", PlyScalar::u16},  {"int", PlyScalar::i32},
+        {"int32", PlyScalar::i32},  {"uint", PlyScalar::u32},    {"uint32", PlyScalar::u32},
+        {"float", PlyScalar::f32},  {"float32", PlyScalar::f32}, {"double", PlyScalar::f64},
+        {"float64", PlyScalar::f64}};
     for (const auto& [name, type] : words)
       if (name == word) return type;
     bad("an unknown type of property");
@@ -150,17 +153,13 @@ class HeaderReader {
 std::size_t ply_size(PlyScalar type) {
   switch (type) {
     case PlyScalar::i8:
-    case PlyScalar::u8:
-      return 1;
+    case PlyScalar::u8: return 1;
     case PlyScalar::i16:
-    case PlyScalar::u16:
-      return 2;
+    case PlyScalar::u16: return 2;
     case PlyScalar::i32:
     case PlyScalar::u32:
-    case PlyScalar::f32:
-      return 4;
-    case PlyScalar::f64:
-      return 8;
+    case PlyScalar::f32: return 4;
+    case PlyScalar::f64: return 8;
   }
   return 8;
 }
@@ -172,6 +171,8 @@ std::size_t PlyElement::least_row(bool ascii) const {
   return bytes;
 }
 
-PlyHeader read_ply_header(std::string_view bytes, const ReadOptions& options) { return HeaderReader(bytes, options).read(); }
+PlyHeader read_ply_header(std::string_view bytes, const ReadOptions& options) {
+  return HeaderReader(bytes, options).read();
+}
 
 }  // namespace terrane

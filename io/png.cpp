@@ -22,8 +22,8 @@ std::string write_png(const Picture& picture) {
   const DatasetHandle source(memory->Create("", picture.width, picture.height, 4, GDT_Byte, nullptr));
   if (!source) failed();
   auto* bytes = const_cast<std::uint8_t*>(picture.rgba.data());
-  if (source->RasterIO(GF_Write, 0, 0, picture.width, picture.height, bytes, picture.width, picture.height, GDT_Byte, 4, nullptr, 4,
-                       static_cast<GSpacing>(4) * picture.width, 1, nullptr) != CE_None)
+  if (source->RasterIO(GF_Write, 0, 0, picture.width, picture.height, bytes, picture.width, picture.height, GDT_Byte, 4,
+                       nullptr, 4, static_cast<GSpacing>(4) * picture.width, 1, nullptr) != CE_None)
     failed();
   constexpr GDALColorInterp colours[4] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
   for (int band = 0; band < 4; ++band) source->GetRasterBand(band + 1)->SetColorInterpretation(colours[band]);

@@ -11,9 +11,9 @@ namespace terrane {
 /// More corners than this are refused: clipping ears takes the square of them.
 inline constexpr std::size_t max_polygon_corners = 1024;
 
-/// Appends triangles of a polygon given by its corners: a fan when it is convex in plan (or vertical), clipped ears when
-/// not. The triangles keep the polygon's own orientation. False when it has fewer than 3 or too many corners, or crosses
-/// itself in plan. Exact predicates; O(n) when convex, else O(n^2).
+/// Appends triangles of a polygon given by its corners: a fan when it is convex in plan (or vertical), clipped ears
+/// when not. The triangles keep the polygon's own orientation. False when it has fewer than 3 or too many corners, or
+/// crosses itself in plan. Exact predicates; O(n) when convex, else O(n^2).
 bool append_polygon(std::vector<Face>& faces, const std::vector<Point>& vertices, std::span<const Index> corners);
 
 }  // namespace terrane

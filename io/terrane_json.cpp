@@ -297,8 +297,9 @@ void JsonReader::check_indices() const {
   for (std::size_t f = 0; f < tin_.faces.size(); ++f)
     for (Index v : tin_.faces[f])
       if (v >= count)
-        bad_input(options_, "index-out-of-range", "triangle " + std::to_string(f),
-                  "vertex " + std::to_string(v) + " does not exist; there are " + std::to_string(count) + ", counted from 0");
+        bad_input(
+            options_, "index-out-of-range", "triangle " + std::to_string(f),
+            "vertex " + std::to_string(v) + " does not exist; there are " + std::to_string(count) + ", counted from 0");
 }
 
 void append_json_string(std::string& out, std::string_view text) {

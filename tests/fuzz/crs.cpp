@@ -6,7 +6,8 @@
 #include "core/error.hpp"
 #include "io/geodesy.hpp"
 
-// libFuzzer on the text of a CRS: it is understood, and its id means the same again, or it is refused as the user's mistake.
+// libFuzzer on the text of a CRS: it is understood, and its id means the same again, or it is refused as the user's
+// mistake.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace terrane;
   try {

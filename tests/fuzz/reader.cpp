@@ -7,8 +7,8 @@
 #include "core/error.hpp"
 #include "io/format.hpp"
 
-// libFuzzer on one reader (TERRANE_FUZZ_FORMAT). Any bytes end in a sound value or in an Error about the input; a mesh that
-// was read comes back the same after writing.
+// libFuzzer on one reader (TERRANE_FUZZ_FORMAT). Any bytes end in a sound value or in an Error about the input; a mesh
+// that was read comes back the same after writing.
 namespace {
 
 using namespace terrane;
@@ -20,7 +20,8 @@ void require(bool holds, const char* what) {
 }
 
 void check_tin(const Tin& tin, const Crs& crs, const Format& format) {
-  for (const Point& p : tin.vertices) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "finite coordinates");
+  for (const Point& p : tin.vertices)
+    require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "finite coordinates");
   for (const Face& face : tin.faces)
     for (Index v : face) require(v >= 0 && static_cast<std::size_t>(v) < tin.vertices.size(), "indices in range");
   Context context;
@@ -45,7 +46,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Context context;
   try {
     format_of_bytes(bytes);
-    const Dataset dataset = format.read(bytes, {.name = "N44W072.hgt", .max_vertices = 1'000'000, .max_samples = 1'000'000}, context);
+    const Dataset dataset =
+        format.read(bytes, {.name = "N44W072.hgt", .max_vertices = 1'000'000, .max_samples = 1'000'000}, context);
     if (const Tin* tin = std::get_if<Tin>(&dataset.surface))
       check_tin(*tin, dataset.crs, format);
     else

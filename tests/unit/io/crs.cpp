@@ -17,8 +17,8 @@ TEST(Crs, IsUnknownByDefault) {
 }
 
 TEST(Crs, IsGivenInManyWays) {
-  for (const char* text : {"EPSG:25831", " epsg:25831\n", "http://www.opengis.net/def/crs/EPSG/0/25831", "https://opengis.net/def/crs/EPSG/9.8.1/25831",
-                           "urn:ogc:def:crs:EPSG::25831"})
+  for (const char* text : {"EPSG:25831", " epsg:25831\n", "http://www.opengis.net/def/crs/EPSG/0/25831",
+                           "https://opengis.net/def/crs/EPSG/9.8.1/25831", "urn:ogc:def:crs:EPSG::25831"})
     EXPECT_EQ(Crs::parse(text).id(), "EPSG:25831") << text;
   const Crs crs = Crs::parse("EPSG:25831");
   EXPECT_EQ(Crs::parse(crs.wkt()).id(), "EPSG:25831");
@@ -26,7 +26,9 @@ TEST(Crs, IsGivenInManyWays) {
   EXPECT_EQ(crs.wkt().find('\n'), std::string::npos);
   EXPECT_EQ(Crs::parse("OGC:CRS84").id(), "OGC:CRS84");
   EXPECT_EQ(Crs::parse("http://www.opengis.net/def/crs/OGC/1.3/CRS84").id(), "OGC:CRS84");
-  EXPECT_EQ(Crs::parse("https://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/25831&2=http://www.opengis.net/def/crs/EPSG/0/5773").id(),
+  EXPECT_EQ(Crs::parse("https://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/25831&2=http:/"
+                       "/www.opengis.net/def/crs/EPSG/0/5773")
+                .id(),
             "EPSG:25831+5773");
 }
 
@@ -68,7 +70,9 @@ TEST(Crs, ComparesPlans) {
   EXPECT_FALSE(same("EPSG:25831", "EPSG:32631"));
   EXPECT_FALSE(same("EPSG:2263", "EPSG:32118"));  // feet and metres of one projection
   EXPECT_FALSE(same("local:m", "local:ft"));
-  const std::string wkt = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]";
+  const std::string wkt =
+      "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS "
+      "84\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]";
   EXPECT_TRUE(same(wkt.c_str(), "EPSG:4326"));
 }
 
@@ -82,8 +86,10 @@ TEST(Crs, ACodeWithOtherNumbersIsNotBelieved) {
 }
 
 TEST(Crs, WhatCannotBeUsedIsRefused) {
-  for (const char* text : {"", " ", "nonsense", "25831", "EPSG:", "EPSG:0", "EPSG:99999999", "EPSG:4326 x", "EPSG:5773", "EPSG:4978", "EPSG:25831+5715", "EPSG:4807", "local:", "local:yd",
-                           "GEOGCS[", "GEOGCS[\"x\"]", "{}", "{\"type\":\"GeographicCRS\"}", "http://www.opengis.net/def/crs/EPSG/0"}) {
+  for (const char* text :
+       {"", " ", "nonsense", "25831", "EPSG:", "EPSG:0", "EPSG:99999999", "EPSG:4326 x", "EPSG:5773", "EPSG:4978",
+        "EPSG:25831+5715", "EPSG:4807", "local:", "local:yd", "GEOGCS[", "GEOGCS[\"x\"]", "{}",
+        "{\"type\":\"GeographicCRS\"}", "http://www.opengis.net/def/crs/EPSG/0"}) {
     try {
       Crs::parse(text);
       ADD_FAILURE() << text;
@@ -95,20 +101,25 @@ TEST(Crs, WhatCannotBeUsedIsRefused) {
 }
 
 TEST(Crs, TouchesNoFileAndNoNetwork) {
-  const std::string geogcs = "GEOGCS[\"x\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]";
-  const std::string bound = "BOUNDCRS[SOURCECRS[" + Crs::parse("EPSG:4267").wkt() + "],TARGETCRS[" + Crs::parse("EPSG:4326").wkt() +
-                            "],ABRIDGEDTRANSFORMATION[\"n\",METHOD[\"NTv2\",ID[\"EPSG\",9615]],PARAMETERFILE[\"Latitude and longitude difference file\",\"/etc/passwd\"]]]";
+  const std::string geogcs =
+      "GEOGCS[\"x\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0."
+      "0174532925199433]";
+  const std::string bound = "BOUNDCRS[SOURCECRS[" + Crs::parse("EPSG:4267").wkt() + "],TARGETCRS[" +
+                            Crs::parse("EPSG:4326").wkt() +
+                            "],ABRIDGEDTRANSFORMATION[\"n\",METHOD[\"NTv2\",ID[\"EPSG\",9615]],PARAMETERFILE["
+                            "\"Latitude and longitude difference file\",\"/etc/passwd\"]]]";
   for (const std::string& text :
-       {std::string("/etc/passwd"), std::string("@/etc/passwd"), std::string("file:///etc/passwd"), std::string("/vsicurl/http://127.0.0.1:1/x"),
-        std::string("http://127.0.0.1:1/x.prj"), std::string("http://opengis.net.example.org/def/crs/EPSG/0/4326"), std::string("+proj=longlat +nadgrids=/etc/passwd"),
-        std::string("+init=/etc/passwd:x"), geogcs + ",EXTENSION[\"PROJ4\",\"+proj=longlat +nadgrids=/etc/passwd\"]]", geogcs + ",EXTENSION[\"PROJ4_GRIDS\",\"/etc/passwd\"]]", bound,
-        std::string(200'000, ' ') + "EPSG", "GEOGCS" + std::string(90'000, '['), "{\"a\":" + std::string(90'000, '[')})
+       {std::string("/etc/passwd"), std::string("@/etc/passwd"), std::string("file:///etc/passwd"),
+        std::string("/vsicurl/http://127.0.0.1:1/x"), std::string("http://127.0.0.1:1/x.prj"),
+        std::string("http://opengis.net.example.org/def/crs/EPSG/0/4326"),
+        std::string("+proj=longlat +nadgrids=/etc/passwd"), std::string("+init=/etc/passwd:x"),
+        geogcs + ",EXTENSION[\"PROJ4\",\"+proj=longlat +nadgrids=/etc/passwd\"]]",
+        geogcs + ",EXTENSION[\"PROJ4_GRIDS\",\"/etc/passwd\"]]", bound, std::string(200'000, ' ') + "EPSG",
+        "GEOGCS" + std::string(90'000, '['), "{\"a\":" + std::string(90'000, '[')})
     EXPECT_THROW(Crs::parse(text), Error) << text.substr(0, 80);
 }
 
-TEST(Crs, WebMercatorAsItWasOnceWritten) {
-  EXPECT_EQ(Crs::parse(Crs::parse("EPSG:3857").wkt1()).id(), "EPSG:3857");
-}
+TEST(Crs, WebMercatorAsItWasOnceWritten) { EXPECT_EQ(Crs::parse(Crs::parse("EPSG:3857").wkt1()).id(), "EPSG:3857"); }
 
 TEST(Crs, IsSharedByThreads) {
   const Crs crs = Crs::parse("EPSG:25831+5773"), other = Crs::parse("EPSG:4326");
@@ -119,7 +130,8 @@ TEST(Crs, IsSharedByThreads) {
       for (int k = 0; k < 20; ++k) {
         std::vector<Point> points = {{457010, 4372383, 1}};
         transform_points(points, crs, other);
-        if (std::fabs(points[0].x - 2.5) > 1e-4 || crs.same_plan(other) || crs.horizontal().id() != "EPSG:25831") ++wrong;
+        if (std::fabs(points[0].x - 2.5) > 1e-4 || crs.same_plan(other) || crs.horizontal().id() != "EPSG:25831")
+          ++wrong;
       }
     });
   for (std::thread& thread : threads) thread.join();

@@ -111,7 +111,8 @@ TEST(Transform, TellsHowMuchEdgesBend) {
   const Crs degrees = Crs::parse("EPSG:4326"), utm = Crs::parse("EPSG:25831");
   transform(tin, degrees, utm, &coarse, context);
   // The southern edge's middle lies about 242 m off the chord, on the plane of face 0 1 2.
-  const Point a = moved(tin.vertices[0], "EPSG:4326", "EPSG:25831"), b = moved(tin.vertices[1], "EPSG:4326", "EPSG:25831");
+  const Point a = moved(tin.vertices[0], "EPSG:4326", "EPSG:25831"),
+              b = moved(tin.vertices[1], "EPSG:4326", "EPSG:25831");
   const Point m = moved({2.5, 39, 500}, "EPSG:4326", "EPSG:25831");
   EXPECT_GT(std::fabs(m.y - (a.y + b.y) / 2), 100);
   EXPECT_GT(coarse, 0.1);
@@ -180,7 +181,8 @@ TEST(AreaScale, WorksInFeetAndAtThePole) {
 
 TEST(AreaScale, IsContinuousAcrossItsNodes) {
   const AreaScale scale = ellipsoidal_area_scale(Crs::parse("EPSG:25831"));
-  for (int k = 1; k < 40; ++k) EXPECT_NEAR(scale(25'000.0 * k - 1e-6, 4'412'345), scale(25'000.0 * k + 1e-6, 4'412'345), 1e-12);
+  for (int k = 1; k < 40; ++k)
+    EXPECT_NEAR(scale(25'000.0 * k - 1e-6, 4'412'345), scale(25'000.0 * k + 1e-6, 4'412'345), 1e-12);
 }
 
 using Shifts = std::vector<double>;
@@ -188,9 +190,9 @@ using Shifts = std::vector<double>;
 TEST(Longitudes, TilesComeToLieBesideEachOther) {
   EXPECT_EQ(unwrap_longitudes({{354, 0, 360, 1}, {0, 0, 6, 1}}), (Shifts{-360, 0}));
   EXPECT_EQ(unwrap_longitudes({{354, 0, 360, 1}, {-3, 0, 6, 1}}), (Shifts{-360, 0}));
-  EXPECT_EQ(unwrap_longitudes({{170, 0, 180, 1}, {-180, 0, -170, 1}}), (Shifts{0, 360}) ) << "one whole from 170 to 190";
+  EXPECT_EQ(unwrap_longitudes({{170, 0, 180, 1}, {-180, 0, -170, 1}}), (Shifts{0, 360})) << "one whole from 170 to 190";
   EXPECT_EQ(unwrap_longitudes({{-180, 0, -170, 1}, {170, 0, 180, 1}}), (Shifts{360, 0}));
-  EXPECT_EQ(unwrap_longitudes({{170, 0, 180, 1}, {180, 0, 190, 1}}), (Shifts{0, 0}) ) << "already beside each other";
+  EXPECT_EQ(unwrap_longitudes({{170, 0, 180, 1}, {180, 0, 190, 1}}), (Shifts{0, 0})) << "already beside each other";
   EXPECT_EQ(unwrap_longitudes({{190, 0, 200, 1}}), (Shifts{-360}));
   EXPECT_EQ(unwrap_longitudes({{175, 0, 185, 1}}), (Shifts{0}));
   EXPECT_EQ(unwrap_longitudes({{0, 0, 360, 1}}), (Shifts{0}));
@@ -202,8 +204,12 @@ TEST(Longitudes, TilesComeToLieBesideEachOther) {
 TEST(Suggestion, IsAZoneOrEqualArea) {
   const Crs wgs = Crs::parse("EPSG:4326"), etrs = Crs::parse("EPSG:4258"), nad = Crs::parse("EPSG:4269");
   EXPECT_EQ(suggest_crs({{1, 39, 3, 40}}, {wgs}).id(), "EPSG:32631");
-  EXPECT_EQ(suggest_crs({{1, 39, 3, 40}, {400'000, 4'300'000, 500'000, 4'400'000}}, {etrs, Crs::parse("EPSG:25831")}).id(), "EPSG:25831");
-  EXPECT_EQ(suggest_crs({{1, 39, 3, 40}, {400'000, 4'300'000, 500'000, 4'400'000}}, {wgs, Crs::parse("EPSG:25831")}).id(), "EPSG:32631");
+  EXPECT_EQ(
+      suggest_crs({{1, 39, 3, 40}, {400'000, 4'300'000, 500'000, 4'400'000}}, {etrs, Crs::parse("EPSG:25831")}).id(),
+      "EPSG:25831");
+  EXPECT_EQ(
+      suggest_crs({{1, 39, 3, 40}, {400'000, 4'300'000, 500'000, 4'400'000}}, {wgs, Crs::parse("EPSG:25831")}).id(),
+      "EPSG:32631");
   EXPECT_EQ(suggest_crs({{-79, 35, -78, 36}}, {nad}).id(), "EPSG:26917");
   EXPECT_EQ(suggest_crs({{-71, -33, -70, -32}}, {wgs}).id(), "EPSG:32719");
   EXPECT_EQ(suggest_crs({{179, -18, 180, -17}, {-180, -18, -179, -17}}, {wgs, wgs}).id(), "EPSG:32701");

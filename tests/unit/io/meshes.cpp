@@ -15,7 +15,9 @@ class Meshes : public testing::TestWithParam<const char*> {
 
 TEST_P(Meshes, ComeBackBitForBit) { expect_same_bits(read_tin(GetParam(), written(awkward_tin())), awkward_tin()); }
 
-TEST_P(Meshes, AreWrittenTheSameTwice) { EXPECT_EQ(written(awkward_tin()), written(read_tin(GetParam(), written(awkward_tin())))); }
+TEST_P(Meshes, AreWrittenTheSameTwice) {
+  EXPECT_EQ(written(awkward_tin()), written(read_tin(GetParam(), written(awkward_tin()))));
+}
 
 TEST_P(Meshes, MayBeEmpty) { EXPECT_EQ(read_tin(GetParam(), written({})), Tin{}); }
 
@@ -23,7 +25,8 @@ TEST_P(Meshes, CarryTheirCrs) {
   const std::string wkt = Crs::parse("EPSG:2263").wkt();
   const std::string renamed = "PROJCRS[\"one \\ of ours\"" + wkt.substr(wkt.find(",BASEGEOGCRS"));
   const std::string own = renamed.substr(0, renamed.rfind(",ID[")) + "]";
-  for (const std::string& text : {std::string("EPSG:25831"), std::string("EPSG:25831+5773"), std::string("local:ftUS"), own}) {
+  for (const std::string& text :
+       {std::string("EPSG:25831"), std::string("EPSG:25831+5773"), std::string("local:ftUS"), own}) {
     const Crs crs = Crs::parse(text);
     Context context;
     const Dataset data = read(GetParam(), written(awkward_tin(), crs), context);
@@ -71,18 +74,21 @@ TEST_P(Meshes, StopWhenNobodyWaits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, Meshes, testing::Values("obj", "json", "ply"), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Formats, Meshes, testing::Values("obj", "json", "ply"),
+                         [](const auto& info) { return info.param; });
 
 TEST(Json, CarriesTheCertificate) {
   Context context;
-  const std::string text = format_named("json")->write(awkward_tin(), {}, {.certificate_json = R"({"type":"Certificate","a":[1,{"b":null}]})", .extra = {}}, context);
+  const std::string text = format_named("json")->write(
+      awkward_tin(), {}, {.certificate_json = R"({"type":"Certificate","a":[1,{"b":null}]})", .extra = {}}, context);
   EXPECT_NE(text.find(R"("certificate":{"type":"Certificate","a":[1,{"b":null}]}})"), std::string::npos);
   expect_same_bits(read_tin("json", text), awkward_tin());
 }
 
 TEST(Obj, CarriesFurtherCommentsOnOneLine) {
   Context context;
-  const std::string text = format_named("obj")->write(awkward_tin(), {}, {.certificate_json = "", .extra = {{"software", "terrane\nv 1 2 3"}}}, context);
+  const std::string text = format_named("obj")->write(
+      awkward_tin(), {}, {.certificate_json = "", .extra = {{"software", "terrane\nv 1 2 3"}}}, context);
   EXPECT_NE(text.find("# software: terrane v 1 2 3\n"), std::string::npos);
   expect_same_bits(read_tin("obj", text), awkward_tin());
 }

@@ -18,14 +18,17 @@ double area2(const Tin& tin) {
 }
 
 TEST(Obj, ReadsWhatOthersWrite) {
-  const Tin tin = read_tin("obj", "# a comment\r\nmtllib x.mtl\r\no thing\r\nv +1.5 -2e3 .5 1.0\r\nv 1 0 0\r\n\tv 0 1 0\r\nvn 0 0 1\r\nvt 0 0\r\ns off\r\nf 1/1/1 2//1 3\r\n");
+  const Tin tin = read_tin("obj",
+                           "# a comment\r\nmtllib x.mtl\r\no thing\r\nv +1.5 -2e3 .5 1.0\r\nv 1 0 0\r\n\tv 0 1 0\r\nvn "
+                           "0 0 1\r\nvt 0 0\r\ns off\r\nf 1/1/1 2//1 3\r\n");
   ASSERT_EQ(tin.vertices.size(), 3u);
   EXPECT_EQ(tin.vertices[0], (Point{1.5, -2000, 0.5}));
   EXPECT_EQ(tin.faces, (std::vector<Face>{{0, 1, 2}}));
 }
 
 TEST(Obj, NegativeIndicesCountBackwards) {
-  EXPECT_EQ(read_tin("obj", square + "f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n").faces, (std::vector<Face>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(read_tin("obj", square + "f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n").faces,
+            (std::vector<Face>{{0, 1, 2}, {0, 2, 3}}));
 }
 
 TEST(Obj, FacesMayComeFirst) { EXPECT_EQ(read_tin("obj", "f 1 2 3\n" + square).faces, (std::vector<Face>{{0, 1, 2}})); }
@@ -56,7 +59,8 @@ TEST(Obj, VerticalPolygonsAreWalls) {
 TEST(Obj, CrossingPolygonsAreRefused) {
   EXPECT_COMPLAINT(complaint("obj", square + "f 1 3 2 4\n"), "bad-face", "line 5");
   // A pentagram turns left at every corner and is not convex.
-  EXPECT_COMPLAINT(complaint("obj", "v 0 10 0\nv -5.9 -8.1 0\nv 9.5 3.1 0\nv -9.5 3.1 0\nv 5.9 -8.1 0\nf 1 2 3 4 5\n"), "bad-face", "line 6");
+  EXPECT_COMPLAINT(complaint("obj", "v 0 10 0\nv -5.9 -8.1 0\nv 9.5 3.1 0\nv -9.5 3.1 0\nv 5.9 -8.1 0\nf 1 2 3 4 5\n"),
+                   "bad-face", "line 6");
 }
 
 TEST(Obj, BadNumbersAreNamedByLine) {
@@ -69,7 +73,8 @@ TEST(Obj, NumbersTooSmallAreZeros) { EXPECT_EQ(read_tin("obj", "v 1e-400 0 0\n")
 TEST(Obj, BadIndicesAreNamedByLine) {
   for (const char* index : {"0", "5", "-5", "99999999999999999999", "2147483648"})
     EXPECT_COMPLAINT(complaint("obj", square + "f 1 2 " + index + "\n"), "index-out-of-range", "line 5");
-  for (const char* index : {"x", "1.5", "nan", "/1"}) EXPECT_COMPLAINT(complaint("obj", square + "f 1 2 " + index + "\n"), "bad-number", "line 5");
+  for (const char* index : {"x", "1.5", "nan", "/1"})
+    EXPECT_COMPLAINT(complaint("obj", square + "f 1 2 " + index + "\n"), "bad-number", "line 5");
   EXPECT_COMPLAINT(complaint("obj", square + "f 1 2\n"), "bad-face", "line 5");
 }
 

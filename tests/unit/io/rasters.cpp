@@ -37,30 +37,40 @@ TEST(GeoTiff, SamplesAreCellCentres) {
 }
 
 TEST(GeoTiff, PointRastersLieOnTheirTiePoint) {
-  const Raster raster = read_raster("tif", tiff(3, 2, six, {{34735, shorts({1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 25831})}}));
+  const Raster raster = read_raster(
+      "tif", tiff(3, 2, six, {{34735, shorts({1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 25831})}}));
   EXPECT_EQ(raster.x0, 500000);
   EXPECT_EQ(raster.y0, 4400000);
 }
 
 TEST(GeoTiff, SouthUpAndEastFirstAreTurned) {
-  const Raster raster = read_raster("tif", tiff(3, 2, six, {{33550, {}}, {33922, {}}, {34264, doubles({-10, 0, 0, 530, 0, 20, 0, 100, 0, 0, 0, 0, 0, 0, 0, 1})}}));
+  const Raster raster = read_raster(
+      "tif",
+      tiff(3, 2, six,
+           {{33550, {}}, {33922, {}}, {34264, doubles({-10, 0, 0, 530, 0, 20, 0, 100, 0, 0, 0, 0, 0, 0, 0, 1})}}));
   EXPECT_EQ(raster.x0, 505);
   EXPECT_EQ(raster.y0, 130);
   expect_samples(raster, {6, 5, 4, 3, 2, 1});
 }
 
 TEST(GeoTiff, NoDataAndNanAreVoids) {
-  expect_samples(read_raster("tif", tiff(3, 2, {1, -9999, 3, NAN, 5, 6}, {{42113, text("-9999")}})), {1, nan, 3, nan, 5, 6});
-  expect_samples(read_raster("tif", tiff(3, 2, {1, -3.4028234663852886e+38f, 3, 0, 5, 6}, {{42113, text("-3.40282346638529e+38")}})), {1, nan, 3, 0, 5, 6});
+  expect_samples(read_raster("tif", tiff(3, 2, {1, -9999, 3, NAN, 5, 6}, {{42113, text("-9999")}})),
+                 {1, nan, 3, nan, 5, 6});
+  expect_samples(read_raster("tif", tiff(3, 2, {1, -3.4028234663852886e+38f, 3, 0, 5, 6},
+                                         {{42113, text("-3.40282346638529e+38")}})),
+                 {1, nan, 3, 0, 5, 6});
 }
 
 TEST(GeoTiff, ScaleAndOffsetApply) {
-  const std::string metadata = "<GDALMetadata><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">100</Item><Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.5</Item></GDALMetadata>";
+  const std::string metadata =
+      "<GDALMetadata><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">100</Item><Item name=\"SCALE\" sample=\"0\" "
+      "role=\"scale\">0.5</Item></GDALMetadata>";
   expect_samples(read_raster("tif", tiff(3, 2, six, {{42112, text(metadata)}})), {100.5, 101, 101.5, 102, 102.5, 103});
 }
 
 TEST(GeoTiff, HeightsInAnotherUnitAreConvertedAloud) {
-  const std::string metadata = "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item></GDALMetadata>";
+  const std::string metadata =
+      "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item></GDALMetadata>";
   Context context;
   const Dataset data = read("tif", tiff(3, 2, six, {{42112, text(metadata)}}), context);
   EXPECT_DOUBLE_EQ(std::get<Raster>(data.surface).samples[1], 2 * 0.3048);
@@ -70,16 +80,26 @@ TEST(GeoTiff, HeightsInAnotherUnitAreConvertedAloud) {
 
 TEST(GeoTiff, CompoundCrsSurvives) {
   Context context;
-  const Dataset data = read("tif", tiff(3, 2, six, {{34735, shorts({1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 25831, 4096, 0, 1, 5773})}}), context);
+  const Dataset data =
+      read("tif",
+           tiff(3, 2, six,
+                {{34735, shorts({1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 25831, 4096, 0, 1, 5773})}}),
+           context);
   EXPECT_EQ(data.crs.id(), "EPSG:25831+5773");
 }
 
 TEST(GeoTiff, BadOnesAreRefused) {
   EXPECT_COMPLAINT(complaint("tif", ""), "wrong-magic", "no TIFF");
   EXPECT_COMPLAINT(complaint("tif", "<VRTDataset rasterXSize=\"1\" rasterYSize=\"1\"/>"), "wrong-magic", "no TIFF");
-  EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, {1, 2, static_cast<float>(HUGE_VAL), 4, 5, 6})), "not-finite", "column 2, row 0");
+  EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, {1, 2, static_cast<float>(HUGE_VAL), 4, 5, 6})), "not-finite",
+                   "column 2, row 0");
   EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, six, {{33550, {}}, {33922, {}}})), "no-georeference", "");
-  EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, six, {{33550, {}}, {33922, {}}, {34264, doubles({10, 1, 0, 500000, 1, -20, 0, 100, 0, 0, 0, 0, 0, 0, 0, 1})}})), "rotated", "");
+  EXPECT_COMPLAINT(
+      complaint("tif", tiff(3, 2, six,
+                            {{33550, {}},
+                             {33922, {}},
+                             {34264, doubles({10, 1, 0, 500000, 1, -20, 0, 100, 0, 0, 0, 0, 0, 0, 0, 1})}})),
+      "rotated", "");
   EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, six, {{33550, doubles({nan, 20, 0})}})), "bad-number", "");
   EXPECT_COMPLAINT(complaint("tif", tiff(3, 2, six, {{33922, doubles({0, 0, 0, HUGE_VAL, 0, 0})}})), "bad-number", "");
 }
@@ -103,7 +123,10 @@ TEST(GeoTiff, AFewBytesTakeNoGigabytes) {
   const long before = peak_megabytes();
   for (std::uint32_t size : {40'000u, 200'000u, 2'000'000'000u})
     for (std::uint16_t compression : {1, 5, 8, 50000}) {
-      const Error error = complaint("tif", tiff(1, 1, {1}, {{256, longs({size})}, {257, longs({size})}, {278, longs({size})}, {259, shorts({compression})}}));
+      const Error error = complaint(
+          "tif",
+          tiff(1, 1, {1},
+               {{256, longs({size})}, {257, longs({size})}, {278, longs({size})}, {259, shorts({compression})}}));
       EXPECT_TRUE(error.kind == ErrorKind::input || error.kind == ErrorKind::limit) << error.what();
     }
   const Error error = complaint("tif", tiff(3, 2, six), {.name = "bad.file", .max_samples = 5});
@@ -113,7 +136,7 @@ TEST(GeoTiff, AFewBytesTakeNoGigabytes) {
 
 TEST(Hgt, ItsNameIsItsPlace) {
   std::string bytes(2 * 1201 * 1201, '\0');
-  bytes[0] = 1;      // 256 in the north-west
+  bytes[0] = 1;       // 256 in the north-west
   bytes[2] = '\x80';  // -32768 beside it
   const Raster raster = read_raster("hgt", bytes, "S33W071.hgt");
   EXPECT_EQ(raster.x0, -71);
@@ -144,7 +167,9 @@ TEST(AsciiGrid, ReadsCornersAndCentres) {
   EXPECT_EQ(raster.y0, 215);
   EXPECT_EQ(raster.dx, 10);
   expect_samples(raster, {1, 2, 3, 4, nan, 6.5});
-  const Raster centred = read_raster("asc", "ncols 3\r\nnrows 2\r\nxllcenter 100\r\nyllcenter 200\r\ndx 10\r\ndy 5\r\nnodata_value nan\r\n1 2 3 4 NaN 6\r\n");
+  const Raster centred = read_raster(
+      "asc",
+      "ncols 3\r\nnrows 2\r\nxllcenter 100\r\nyllcenter 200\r\ndx 10\r\ndy 5\r\nnodata_value nan\r\n1 2 3 4 NaN 6\r\n");
   EXPECT_EQ(centred.x0, 100);
   EXPECT_EQ(centred.y0, 205);
   expect_samples(centred, {1, 2, 3, 4, nan, 6});
@@ -153,14 +178,19 @@ TEST(AsciiGrid, ReadsCornersAndCentres) {
 TEST(AsciiGrid, BadOnesAreRefused) {
   EXPECT_COMPLAINT(complaint("asc", grid + "1.25 2.25 3.25\n4 5"), "truncated", "row 1, column 2");
   EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3\n4 5 6 7"), "bad-grid", "");
-  for (const char* number : {"nan", "inf", "1e400", "x", "1,5"}) EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3 4 " + number + " 6"), "bad-number", "row 1, column 1");
+  for (const char* number : {"nan", "inf", "1e400", "x", "1,5"})
+    EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3 4 " + number + " 6"), "bad-number", "row 1, column 1");
   EXPECT_COMPLAINT(complaint("asc", ""), "bad-header", "ncols");
   EXPECT_COMPLAINT(complaint("asc", "hello"), "wrong-magic", "header");
-  for (const char* line : {"ncols 0", "ncols -3", "ncols 2.5", "ncols x", "ncols 1e12"}) EXPECT_COMPLAINT(complaint("asc", std::string(line) + "\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2"), "bad-number", "ncols");
-  EXPECT_COMPLAINT(complaint("asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 0\n1 2"), "bad-number", "cellsize");
+  for (const char* line : {"ncols 0", "ncols -3", "ncols 2.5", "ncols x", "ncols 1e12"})
+    EXPECT_COMPLAINT(complaint("asc", std::string(line) + "\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2"),
+                     "bad-number", "ncols");
+  EXPECT_COMPLAINT(complaint("asc", "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 0\n1 2"), "bad-number",
+                   "cellsize");
   EXPECT_COMPLAINT(complaint("asc", "ncols 2\nnrows 1\nxllcorner 0\ncellsize 1\n1 2"), "bad-header", "yllcorner");
   EXPECT_COMPLAINT(complaint("asc", "ncols 2\nncols 2\n"), "bad-header", "twice");
-  EXPECT_COMPLAINT(complaint("asc", "ncols 20000\nnrows 20000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2"), "truncated", "400000000");
+  EXPECT_COMPLAINT(complaint("asc", "ncols 20000\nnrows 20000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2"), "truncated",
+                   "400000000");
 }
 
 TEST(Png, HasItsPixels) {
@@ -180,7 +210,8 @@ TEST(Formats, AreFoundByNameTypeAndContent) {
   EXPECT_EQ(format_of_bytes(tiff(3, 2, six)), format_named("tif"));
   EXPECT_EQ(format_of_bytes(grid), format_named("asc"));
   EXPECT_EQ(format_of_bytes("# hello\n\nv 1 2 3\n"), format_named("obj"));
-  for (const char* text : {"", "# hello", "v x", "{}", "plywood", "\x89PNG"}) EXPECT_EQ(format_of_bytes(text), nullptr) << text;
+  for (const char* text : {"", "# hello", "v x", "{}", "plywood", "\x89PNG"})
+    EXPECT_EQ(format_of_bytes(text), nullptr) << text;
 }
 
 }  // namespace

@@ -42,21 +42,22 @@ inline Error complaint(const char* format, std::string_view bytes, ReadOptions o
   return {ErrorKind::internal, "", "no error"};
 }
 
-#define EXPECT_COMPLAINT(error, expected_code, place)                                   \
-  do {                                                                                  \
-    const Error got = (error);                                                          \
-    EXPECT_EQ(got.kind, ErrorKind::input) << got.what();                                \
-    EXPECT_EQ(got.code, expected_code) << got.what();                                   \
-    EXPECT_NE(std::string(got.what()).find(place), std::string::npos) << got.what();    \
-    EXPECT_EQ(std::string(got.what()).find("bad.file"), 0u) << got.what();              \
+#define EXPECT_COMPLAINT(error, expected_code, place)                                \
+  do {                                                                               \
+    const Error got = (error);                                                       \
+    EXPECT_EQ(got.kind, ErrorKind::input) << got.what();                             \
+    EXPECT_EQ(got.code, expected_code) << got.what();                                \
+    EXPECT_NE(std::string(got.what()).find(place), std::string::npos) << got.what(); \
+    EXPECT_EQ(std::string(got.what()).find("bad.file"), 0u) << got.what();           \
   } while (false)
 
 /// Numbers that a careless writer or reader changes.
 inline Tin awkward_tin() {
   constexpr double tiny = std::numeric_limits<double>::denorm_min(), large = std::numeric_limits<double>::max();
   Tin tin;
-  tin.vertices = {{0.1, 0.2, 0.30000000000000004}, {457010.38774669336, 4372383.8235007255, 1.0 / 3}, {-0.0, 1e-320, tiny},
-                  {large, -large, 5e-324},         {std::nextafter(1.0, 2.0), 1e22, 123456789.125},   {-180, 90, -10994}};
+  tin.vertices = {
+      {0.1, 0.2, 0.30000000000000004}, {457010.38774669336, 4372383.8235007255, 1.0 / 3}, {-0.0, 1e-320, tiny},
+      {large, -large, 5e-324},         {std::nextafter(1.0, 2.0), 1e22, 123456789.125},   {-180, 90, -10994}};
   tin.faces = {{0, 1, 2}, {2, 1, 3}, {3, 4, 5}};
   return tin;
 }

@@ -40,29 +40,30 @@ TEST_P(RealRasters, AreWhatTheirSourceSays) {
   EXPECT_TRUE(context.warnings.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, RealRasters,
-                         testing::Values(Expected{"balearic/balearic_30s.tif", 408, 186, 7628, -4, 1208, "EPSG:4326"},
-                                         Expected{"balearic/mallorca_30s.tif", 156, 108, 5537, -4, 1208, "EPSG:4326"},
-                                         Expected{"balearic/menorca_30s.tif", 78, 48, 1078, -2, 210, "EPSG:4326"},
-                                         Expected{"balearic/ibiza_30s.tif", 72, 48, 879, -2, 351, "EPSG:4326"},
-                                         Expected{"balearic/formentera_30s.tif", 42, 24, 134, -2, 176, "EPSG:4326"},
-                                         Expected{"balearic/mallorca_west_30s.tif", 96, 108, 3439, -4, 1208, "EPSG:4326"},
-                                         Expected{"balearic/mallorca_east_30s.tif", 78, 108, 3382, -1, 966, "EPSG:4326"},
-                                         Expected{"balearic/balearic_etopo5.tif", 55, 37, 2035, -2752, 438, "EPSG:4326"},
-                                         Expected{"tiles/N44W072.hgt", 1201, 1201, 1442401, 115, 1908, "EPSG:4326"},
-                                         Expected{"tiles/S33W071_w.tif", 401, 401, 160801, 613, 3770, "EPSG:4326"},
-                                         Expected{"tiles/S33W071_e.tif", 401, 401, 160801, 1077, 5402, "EPSG:4326"},
-                                         Expected{"tiles/frontrange_srtmgl3_w.tif", 144, 144, 20736, 2186, 3345, "EPSG:4326"},
-                                         Expected{"tiles/frontrange_srtmgl3_e.tif", 240, 144, 34560, 1943, 3286, "EPSG:4326"},
-                                         Expected{"epochs/fortbragg_dem_2004.tif", 450, 450, 202500, 89.26, 112.634, "EPSG:3358"},
-                                         Expected{"epochs/fortbragg_dem_2012.tif", 450, 450, 202500, 89.374, 112.707, "EPSG:3358"},
-                                         Expected{"epochs/fortbragg_dem_2016.tif", 450, 450, 202500, 89.344, 112.726, "EPSG:3358"}),
-                         [](const auto& info) {
-                           std::string name = info.param.file;
-                           for (char& c : name)
-                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Files, RealRasters,
+    testing::Values(Expected{"balearic/balearic_30s.tif", 408, 186, 7628, -4, 1208, "EPSG:4326"},
+                    Expected{"balearic/mallorca_30s.tif", 156, 108, 5537, -4, 1208, "EPSG:4326"},
+                    Expected{"balearic/menorca_30s.tif", 78, 48, 1078, -2, 210, "EPSG:4326"},
+                    Expected{"balearic/ibiza_30s.tif", 72, 48, 879, -2, 351, "EPSG:4326"},
+                    Expected{"balearic/formentera_30s.tif", 42, 24, 134, -2, 176, "EPSG:4326"},
+                    Expected{"balearic/mallorca_west_30s.tif", 96, 108, 3439, -4, 1208, "EPSG:4326"},
+                    Expected{"balearic/mallorca_east_30s.tif", 78, 108, 3382, -1, 966, "EPSG:4326"},
+                    Expected{"balearic/balearic_etopo5.tif", 55, 37, 2035, -2752, 438, "EPSG:4326"},
+                    Expected{"tiles/N44W072.hgt", 1201, 1201, 1442401, 115, 1908, "EPSG:4326"},
+                    Expected{"tiles/S33W071_w.tif", 401, 401, 160801, 613, 3770, "EPSG:4326"},
+                    Expected{"tiles/S33W071_e.tif", 401, 401, 160801, 1077, 5402, "EPSG:4326"},
+                    Expected{"tiles/frontrange_srtmgl3_w.tif", 144, 144, 20736, 2186, 3345, "EPSG:4326"},
+                    Expected{"tiles/frontrange_srtmgl3_e.tif", 240, 144, 34560, 1943, 3286, "EPSG:4326"},
+                    Expected{"epochs/fortbragg_dem_2004.tif", 450, 450, 202500, 89.26, 112.634, "EPSG:3358"},
+                    Expected{"epochs/fortbragg_dem_2012.tif", 450, 450, 202500, 89.374, 112.707, "EPSG:3358"},
+                    Expected{"epochs/fortbragg_dem_2016.tif", 450, 450, 202500, 89.344, 112.726, "EPSG:3358"}),
+    [](const auto& info) {
+      std::string name = info.param.file;
+      for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+      return name;
+    });
 
 TEST(RealData, QuartersOfATileLieOnIt) {
   const auto whole_bytes = real_file("tiles/N44W072.hgt");
@@ -72,7 +73,8 @@ TEST(RealData, QuartersOfATileLieOnIt) {
     const auto bytes = real_file(std::string("tiles/N44W072_") + part + ".tif");
     ASSERT_TRUE(bytes);
     const Raster quarter = read_raster("tif", *bytes);
-    const int i0 = static_cast<int>(std::lround((quarter.x0 - whole.x0) / whole.dx)), j0 = static_cast<int>(std::lround((whole.y0 - quarter.y0) / whole.dy));
+    const int i0 = static_cast<int>(std::lround((quarter.x0 - whole.x0) / whole.dx)),
+              j0 = static_cast<int>(std::lround((whole.y0 - quarter.y0) / whole.dy));
     EXPECT_NEAR(quarter.x0, whole.place(i0, j0).x, 1e-10);
     EXPECT_NEAR(quarter.y0, whole.place(i0, j0).y, 1e-10);
     for (int j = 0; j < quarter.height; ++j)
