@@ -114,14 +114,29 @@ Tin patch(double x, double y, int n, int m, double cell, double lift) {
   return canonical(tin);
 }
 
+/// Puts back the corners of faces that are no longer positive, until all are: what remains is a valid terrain.
+static Tin put_back(Tin moved, const Tin& original) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Face& f : moved.faces) {
+      const auto at = [&](const Tin& tin, int k) { return plan(tin.vertices[f[k]]); };
+      if (orientation(at(moved, 0), at(moved, 1), at(moved, 2)) > 0) continue;
+      for (const Index v : f)
+        if (!(moved.vertices[v] == original.vertices[v])) moved.vertices[v] = original.vertices[v], changed = true;
+    }
+  }
+  return moved;
+}
+
 Tin jittered(Tin tin, double amount, bool border_too, std::uint64_t seed) {
   Random random(seed);
+  const Tin original = tin;
   for (Point& p : tin.vertices) {
     if (!border_too && on_border(p)) continue;
     p.x += uniform(random, -amount, amount);
     p.y += uniform(random, -amount, amount);
   }
-  return tin;
+  return put_back(std::move(tin), original);
 }
 
 Tin ulp_copy(Tin tin, bool border_too, std::uint64_t seed) {

@@ -23,7 +23,8 @@ Tin grid_terrain(int n, bool rising);
 /// n x m cells of size `cell` with the lower left corner at (x, y), heights from a smooth function of the place plus `lift`.
 Tin patch(double x, double y, int n, int m, double cell, double lift = 0);
 
-/// Moves vertices by up to `amount` in x and y; those on the square's border only with `border_too`.
+/// Moves vertices by up to `amount` in x and y, as far as faces stay positive; those on the square's border only with
+/// `border_too`.
 Tin jittered(Tin tin, double amount, bool border_too, std::uint64_t seed = 5);
 
 /// Moves coordinates by -1, 0 or +1 ulp; those on the square's border only with `border_too`.
