@@ -96,15 +96,23 @@ class Greedy {
     const double gx = (zb * cy - zc * by) * scale, gy = (bx * zc - cx * zb) * scale;
     Worst worst;
     T largest = 0;
-    for_each_row(p, own, [&](int y, int first, int last) {
-      const T base = static_cast<T>(za + gx * (first - p[0].x) + gy * (y - p[0].y)), slope = static_cast<T>(gx);
-      const T* row = heights.at({first, y});
-      const T error = worst_in_row(row, base, slope, last - first + 1);
-      if (error > largest) {
-        largest = error;
-        worst.at = {first + place_in_row(row, base, slope, error), y};
-      }
-    });
+    // Of a large triangle every few rows tell well enough where it is worst; all are asked before it is let go.
+    const double area = bx * cy - by * cx;
+    int skip = 0;
+    while (skip < 4 && area > (1024 << 2 * skip)) ++skip;
+    for (int mask = (1 << skip) - 1;; mask = 0) {
+      for_each_row(p, own, [&](int y, int first, int last) {
+        if ((y & mask) != 0) return;
+        const T base = static_cast<T>(za + gx * (first - p[0].x) + gy * (y - p[0].y)), slope = static_cast<T>(gx);
+        const T* row = heights.at({first, y});
+        const T error = worst_in_row(row, base, slope, last - first + 1);
+        if (error > largest) {
+          largest = error;
+          worst.at = {first + place_in_row(row, base, slope, error), y};
+        }
+      });
+      if (mask == 0 || largest > bound_) break;
+    }
     worst.error = largest;
     return worst;
   }
@@ -150,6 +158,7 @@ class Greedy {
   /// Inserts the worst sample of the worst triangle until none is worse than `bound`.
   template <class Search>
   void refine(double bound, Search search) {
+    bound_ = bound;
     make_room();
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       if (t % 1024 == 0) context_.progress("triangulate", done_);
@@ -183,7 +192,7 @@ class Greedy {
   GreedyQueue queue_;
   std::vector<Slot> slots_;
   std::vector<double> xs_, ys_;  // places of columns and, from the south, of rows
-  double zmin_ = INFINITY, zmax_ = -INFINITY, done_ = 0;
+  double zmin_ = INFINITY, zmax_ = -INFINITY, done_ = 0, bound_ = 0;
   bool free_border_ = false;
 };
 
