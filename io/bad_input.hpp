@@ -10,8 +10,7 @@
 // How a reader complains: "t3.obj, line 42: a coordinate is not a finite number". One shape for every format.
 namespace terrane {
 
-/// `element` is "line 42" or "vertex 17", or empty when the whole file is meant. What comes from the file itself is not
-/// echoed.
+/// `element` is "line 42" or "vertex 17", or empty when the whole file is meant. Bytes of the file are not echoed.
 [[noreturn]] inline void bad_input(const ReadOptions& options, std::string code, const std::string& element,
                                    const std::string& what) {
   std::string message = options.name.empty() ? "input" : options.name;
@@ -27,8 +26,7 @@ inline void check_count(const ReadOptions& options, std::size_t count, std::size
                     things + "; split the input into tiles or raise the limit");
 }
 
-/// The CRS a file declares. One that cannot be understood is as good as none, said aloud, because `crs` may yet replace
-/// it.
+/// The CRS a file declares. One that cannot be understood is a warning and none, because `crs` may yet replace it.
 inline Crs declared_crs(std::string_view text, const ReadOptions& options, Context& context) {
   try {
     return Crs::parse(text);

@@ -46,6 +46,19 @@ std::string exported(const OGRSpatialReference& srs, const char* format) {
   return out;
 }
 
+/// WKT 2 that says the same of itself once it is read: the first export of what came as WKT 1 may spell axes otherwise.
+std::string settled_wkt(const OGRSpatialReference& srs) {
+  std::string wkt = exported(srs, "WKT2_2019");
+  for (int round = 0; round < 3; ++round) {
+    OGRSpatialReference again;
+    if (again.importFromWkt(wkt.c_str()) != OGRERR_NONE) break;
+    std::string next = exported(again, "WKT2_2019");
+    if (next.empty() || next == wkt) break;
+    wkt = std::move(next);
+  }
+  return wkt;
+}
+
 std::string code_of(const OGRSpatialReference& srs) {
   const char* name = srs.GetAuthorityName(nullptr);
   const char* code = srs.GetAuthorityCode(nullptr);
@@ -66,8 +79,7 @@ bool same(const OGRSpatialReference& a, const OGRSpatialReference& b) {
   return a.IsSame(&b, options);
 }
 
-/// The code a CRS carries, when the register agrees that this is what the code means. WKT with a code and other numbers
-/// exists.
+/// The code a CRS carries, when the register agrees on its meaning: WKT with a code and other numbers exists.
 std::string verified_code(const OGRSpatialReference& srs) {
   const std::string code = code_of(srs);
   if (code.empty()) return "";
@@ -154,9 +166,9 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const st
   impl->semi_major = horizontal.GetSemiMajor();
   impl->inverse_flattening = horizontal.GetInvFlattening();
   impl->name = srs.GetName() ? srs.GetName() : "";
-  impl->wkt = exported(srs, "WKT2_2019");
+  impl->wkt = settled_wkt(srs);
   impl->wkt1 = exported(srs, "WKT1_GDAL");
-  impl->horizontal_wkt = exported(horizontal, "WKT2_2019");
+  impl->horizontal_wkt = settled_wkt(horizontal);
   if (impl->wkt.empty() || impl->horizontal_wkt.empty()) bad_crs("it cannot be written as WKT");
   const std::string code = given.empty() ? verified_code(srs) : given;
   const std::string plan = !given.empty() && horizontal.GetAxesCount() == srs.GetAxesCount() && !srs.IsCompound()

@@ -42,8 +42,7 @@ struct Quiet {
   Quiet& operator=(const Quiet&) = delete;
 };
 
-/// The CRS of a definition, x first. Network access is off. Throws Error{internal} for what Crs::parse let through in
-/// vain.
+/// The CRS of a definition, x first. Network access is off. `definition` is one that Crs::parse made.
 OGRSpatialReference osr(const std::string& definition);
 
 using Transformation = std::unique_ptr<OGRCoordinateTransformation>;

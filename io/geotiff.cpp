@@ -12,8 +12,7 @@
 #include "io/text.hpp"
 #include "io/tiff_directory.hpp"
 
-// GeoTIFF and COG, through GDAL. Everything that costs memory is checked against the bytes that are there before it is
-// read.
+// GeoTIFF and COG, through GDAL. What costs memory is checked against the bytes that are there before it is read.
 namespace terrane {
 
 namespace {

@@ -119,6 +119,19 @@ TEST(Crs, TouchesNoFileAndNoNetwork) {
     EXPECT_THROW(Crs::parse(text), Error) << text.substr(0, 80);
 }
 
+TEST(Crs, ADatumWithItsOwnShiftKeepsIt) {
+  const Crs crs = Crs::parse(
+      "GEOGCS[\"Local datum\",DATUM[\"Own\",SPHEROID[\"Bessel 1841\",6377397.155,299.1528128],"
+      "TOWGS84[598.1,73.7,418.2,0.202,0.045,-2.455,6.7]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]");
+  EXPECT_TRUE(crs.geographic());
+  EXPECT_EQ(Crs::parse(crs.id()).id(), crs.id());
+  EXPECT_TRUE(Crs::parse(crs.id()).same_plan(crs));
+  std::vector<Point> points = {{10, 50, 1}};
+  transform_points(points, crs, Crs::parse("EPSG:4326"));
+  EXPECT_NEAR(points[0].x, 9.99881, 1e-4);  // about 80 m to the west, as DHDN is there
+  EXPECT_NEAR(points[0].y, 49.99886, 1e-4);
+}
+
 TEST(Crs, WebMercatorAsItWasOnceWritten) { EXPECT_EQ(Crs::parse(Crs::parse("EPSG:3857").wkt1()).id(), "EPSG:3857"); }
 
 TEST(Crs, IsSharedByThreads) {
