@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Resources, executions by form and by JSON, formats, certificates; and the same bytes as the command line."""
 import base64
+import gzip
+import http.client
 import json
 import os
 import subprocess
@@ -138,10 +140,12 @@ class Executions(unittest.TestCase):
 
     def test_the_same_bytes_by_form_json_and_command_line(self):
         by_form = self.merged(File("west.obj", WEST), File("east.obj", EAST))
-        inputs = {"tiles": [{"value": base64.b64encode(t.encode()).decode(), "encoding": "base64", "mediaType": "model/obj"}
-                            for t in (WEST, EAST)], "overlap": "mean", **UTM}
+        tiles = [{"value": base64.b64encode(text.encode()).decode(), "encoding": "base64", "mediaType": "model/obj"}
+                 for text in (WEST, EAST)]
+        inputs = {"tiles": tiles, "overlap": "mean", **UTM}
         self.assertEqual(service.post_json("merge", {"inputs": inputs}, "?f=obj").body, by_form.body)
-        inline = {"inputs": {"tiles": [square_tin(0, 0, 100, 10), square_tin(60, 0, 100, 20)], "overlap": "mean", **UTM},
+        tins = [square_tin(0, 0, 100, 10), square_tin(60, 0, 100, 20)]
+        inline = {"inputs": {"tiles": tins, "overlap": "mean", **UTM},
                   "outputs": {"surface": {"format": {"mediaType": "model/obj"}}}}
         self.assertEqual(service.post_json("merge", inline).body, by_form.body)
         fields = [("tiles", File("w", WEST)), ("overlap", "mean"), ("tiles", File("e", EAST)), ("f", "obj"),
@@ -154,14 +158,14 @@ class Executions(unittest.TestCase):
                 with open(names[-1], "w", encoding="utf-8") as file:
                     file.write(text)
             out = os.path.join(folder, "out.obj")
-            run = subprocess.run([TERRANE, "merge", *names, "--overlap", "mean", "--assume-crs", "EPSG:25831", "-o", out,
-                                  "--quiet"], capture_output=True, check=False)
+            command = [TERRANE, "merge", *names, "--overlap", "mean", "--assume-crs", "EPSG:25831",
+                       "--quiet", "-o", out]
+            run = subprocess.run(command, capture_output=True, check=False)
             self.assertEqual(run.returncode, 0, run.stderr)
             with open(out, "rb") as file:
                 self.assertEqual(file.read(), by_form.body)
 
     def test_compressed_bodies_are_the_same(self):
-        import gzip
         request = json.dumps({"inputs": {"tiles": [square_tin(0, 0, 100, 10)], **UTM}}).encode()
         plain = service.post_json("merge", request)
         packed = service.post_json("merge", gzip.compress(request), headers={"Content-Encoding": "gzip"})
@@ -215,7 +219,8 @@ class Executions(unittest.TestCase):
         self.assertAlmostEqual(row["fill"]["volume"], 20000, places=6)
         self.assertEqual(row["cut"]["volume"], 0)
         self.assertAlmostEqual(row["net_volume"], 20000, places=6)
-        table = service.post_json("volume", {"inputs": {"surface": square_tin(0, 0, 100, 10), "reference": 8, **UTM}}, "?f=csv")
+        table = service.post_json(
+            "volume", {"inputs": {"surface": square_tin(0, 0, 100, 10), "reference": 8, **UTM}}, "?f=csv")
         self.assertEqual(table.status, 200)
         self.assertTrue(table.media_type.startswith("text/csv"))
 
@@ -235,7 +240,6 @@ class Executions(unittest.TestCase):
             self.assertEqual(answer.status, 200, (part.name, part.media_type, answer.body))
 
     def test_connections_are_kept(self):
-        import http.client
         connection = http.client.HTTPConnection(service.host, service.port, timeout=20)
         for _ in range(20):
             connection.request("GET", "/health")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contract's table of bad input, row by row, and what HTTP adds to it: the answer, and that the service lives on."""
+"""The contract's table of bad input, row by row, and what HTTP adds to it."""
 import json
 import unittest
 
@@ -43,7 +43,8 @@ class InputData(Problems):
             text = f"v 0 0 0\nv 10 0 {word}\nv 0 10 0\nf 1 2 3\n"
             self.assert_problem(self.info_of(File("bad.obj", text)), 422, "bad.obj", "2")
         for word in "NaN", "Infinity", "1e400", "null", '"7"':
-            body = '{"inputs": {"tiles": {"type": "TIN", "vertices": [[0,0,0],[1,0,%s],[0,1,0]], "triangles": [[0,1,2]]}}}' % word
+            surface = '{"type": "TIN", "vertices": [[0,0,0],[1,0,%s],[0,1,0]], "triangles": [[0,1,2]]}' % word
+            body = '{"inputs": {"tiles": %s}}' % surface
             self.assert_problem(service.post_json("merge", body, CRS), 422, "vertex 1")
 
     def test_indices_out_of_range(self):
@@ -63,8 +64,8 @@ class InputData(Problems):
         text = json.dumps(square_tin(0, 0, 1, 1))
         self.assert_problem(self.info_of(File("cut.json", text[:len(text) // 2])), 422, "cut.json")
         self.assert_problem(self.info_of(File("cut.tif", b"II*\0" + b"\0" * 20)), 422, "cut.tif")
-        self.assert_problem(self.info_of(File("cut.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4")),
-                            422, "cut.asc")
+        grid = "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4"
+        self.assert_problem(self.info_of(File("cut.asc", grid)), 422, "cut.asc")
 
     def test_bytes_of_no_format(self):
         answer = self.info_of(File("noise.bin", bytes(range(256)) * 4))
@@ -77,12 +78,14 @@ class InputData(Problems):
         self.assert_problem(self.info_of(File("over.obj", text)), 422, "over.obj")
 
     def test_two_heights_at_one_place(self):
-        vertices = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 0, 5], [10, 10, 0], [0, 10, 0]]
+        # Two faces that touch at one point in plan and nowhere else.
+        vertices = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 0, 5], [-10, 0, 0], [-10, -10, 0]]
         self.assert_problem(self.info_of(File("two.obj", obj(vertices, [[0, 1, 2], [3, 4, 5]]))), 422, "two.obj")
 
     def test_a_slanted_edge_with_three_faces(self):
         vertices = [[0, 0, 0], [10, 0, 1], [0, 10, 0], [5, -10, 0], [0, -10, 0]]
-        self.assert_problem(self.info_of(File("fan.obj", obj(vertices, [[0, 1, 2], [0, 3, 1], [0, 4, 1]]))), 422, "fan.obj")
+        text = obj(vertices, [[0, 1, 2], [0, 3, 1], [0, 4, 1]])
+        self.assert_problem(self.info_of(File("fan.obj", text)), 422, "fan.obj")
 
     def test_what_can_be_mended_is_mended_and_counted(self):
         square = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0]]
@@ -106,17 +109,19 @@ class InputData(Problems):
         alone = service.post_form("merge", [("tiles", full)], CRS + "&f=obj")
         both = service.post_form("merge", [("tiles", empty), ("tiles", full)], CRS + "&f=obj")
         self.assertEqual((both.status, both.body), (200, alone.body))
-        for operation, first, second in ("subtract", "minuend", "subtrahend"), ("add", "a", "b"), ("volume", "surface", "reference"):
+        slots = ("subtract", "minuend", "subtrahend"), ("add", "a", "b"), ("volume", "surface", "reference")
+        for operation, first, second in slots:
             self.assert_problem(service.post_form(operation, [(first, empty), (second, full)], CRS), 422, "empty.json")
 
     def test_no_overlap(self):
-        parts = [("minuend", File("a.obj", square_obj(0, 0, 10, 1))), ("subtrahend", File("b.obj", square_obj(110, 0, 10, 1)))]
+        west, east = File("a.obj", square_obj(0, 0, 10, 1)), File("b.obj", square_obj(110, 0, 10, 1))
+        parts = [("minuend", west), ("subtrahend", east)]
         self.assert_problem(service.post_form("subtract", parts, CRS), 422, "100")
         answer = service.post_form("subtract", parts, CRS + "&allow-empty=true")
         self.assertEqual(answer.status, 200, answer.body)
         self.assertGreater(int(answer.headers["Terrane-Warnings"]), 0)
         self.assertEqual(answer.json()["triangles"], [])
-        parts = [("surface", parts[0][1]), ("reference", parts[1][1])]
+        parts = [("surface", west), ("reference", east)]
         self.assert_problem(service.post_form("volume", parts, CRS), 422, "100")
         self.assertEqual(service.post_form("volume", parts, CRS + "&allow-empty=true").status, 200)
 
@@ -143,13 +148,15 @@ class Requests(Problems):
         self.assert_problem(service.get("/processes/marge"), 404, "merge")
 
     def test_parameters_are_checked_before_any_input(self):
-        for query, word in (("?overlop=mean", "overlap"), ("?overlap=average", "mean"), ("?z-tolerance=-1", "z-tolerance"),
-                            ("?z-tolerance=high", "z-tolerance"), ("?max-error=nan", "max-error"), ("?f=dwg", "obj"),
-                            ("?threads=1.5", "threads"), ("?target-crs=EPSG:1", "target-crs")):
+        queries = (("?overlop=mean", "overlap"), ("?overlap=average", "mean"), ("?z-tolerance=-1", "z-tolerance"),
+                   ("?z-tolerance=high", "z-tolerance"), ("?max-error=nan", "max-error"), ("?f=dwg", "obj"),
+                   ("?threads=1.5", "threads"), ("?target-crs=EPSG:1", "target-crs"))
+        for query, word in queries:
             self.assert_problem(service.post_form("merge", [("tiles", self.garbage)], query), 400, word)
         self.assert_problem(service.post_form("merge", [("tiles", self.garbage), ("overlop", "mean")]), 400, "overlap")
         self.assert_problem(service.post_json("merge", {"inputs": {"tiles": "x", "overlop": 1}}), 400, "overlap")
-        self.assert_problem(service.post_form("merge", [("tiles", self.garbage), ("overlap", "mean")], "?overlap=min"), 400)
+        twice = [("tiles", self.garbage), ("overlap", "mean")]
+        self.assert_problem(service.post_form("merge", twice, "?overlap=min"), 400)
 
     def test_the_number_of_inputs(self):
         self.assert_problem(service.post_form("merge", []), 400, "tiles")
@@ -162,7 +169,8 @@ class Requests(Problems):
         tile = [("tiles", File("a.obj", square_obj(0, 0, 10, 1)))]
         self.assert_problem(service.post_form("merge", tile, CRS, {"Accept": "image/png"}), 406, "model/obj")
         self.assert_problem(service.get("/processes", Accept="image/png"), 406)
-        request = {"inputs": {"tiles": square_tin(0, 0, 1, 1), **UTM}, "outputs": {"surface": {"format": {"mediaType": "a/b"}}}}
+        request = {"inputs": {"tiles": square_tin(0, 0, 1, 1), **UTM},
+                   "outputs": {"surface": {"format": {"mediaType": "a/b"}}}}
         self.assert_problem(service.post_json("merge", request), 406)
 
     def test_paths_and_methods(self):
@@ -170,24 +178,27 @@ class Requests(Problems):
         self.assert_problem(service.get("/" + "a" * 3000), 414)
         self.assert_problem(service.get("/?f=pdf"), 400)
         self.assert_problem(service.get("/processes?limt=1"), 400)
-        for method, path in (("DELETE", "/processes"), ("PUT", "/"), ("GET", "/processes/merge/execution"), ("PATCH", "/health")):
+        for method, path in (("DELETE", "/processes"), ("PUT", "/"), ("GET", "/processes/merge/execution"),
+                             ("PATCH", "/health")):
             answer = service.request(method, path, b"" if method != "GET" else None)
             self.assert_problem(answer, 405)
             self.assertTrue(answer.headers["Allow"])
         self.assert_problem(service.request("POST", "/processes", b""), 405)
 
     def test_bodies_of_another_kind(self):
-        path = "/processes/merge/execution"
+        def post(body, kind, **headers):
+            return service.request("POST", "/processes/merge/execution", body, {"Content-Type": kind, **headers})
         for kind in "text/plain", "model/obj", "application/x-www-form-urlencoded":
-            self.assert_problem(service.request("POST", path, b"v 0 0 0", {"Content-Type": kind}), 415, "multipart/form-data")
-        self.assert_problem(service.request("POST", path, b"x", {"Content-Type": "application/json", "Content-Encoding": "zstd"}), 415)
-        answer = service.request("POST", path, b"not gzip", {"Content-Type": "application/json", "Content-Encoding": "gzip"})
-        self.assert_problem(answer, 400)
+            self.assert_problem(post(b"v 0 0 0", kind), 415, "multipart/form-data")
+        self.assert_problem(post(b"x", "application/json", **{"Content-Encoding": "zstd"}), 415)
+        self.assert_problem(post(b"not gzip", "application/json", **{"Content-Encoding": "gzip"}), 400)
 
     def test_broken_json(self):
-        for body in ("{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {"a": 1, "a": 2}}', '{"inputs": {}} x',
-                     '{"inputs": 5}', '{"inpots": {}}', "\xff", '{"inputs": {"tiles": ' + "[" * 200_000 + "]" * 200_000 + "}}",
-                     '{"inputs": {"tiles": ' + "[" * 5_000_000, '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}'):
+        bodies = ["{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {"a": 1, "a": 2}}', '{"inputs": {}} x',
+                  '{"inputs": 5}', '{"inpots": {}}', "\xff", '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}',
+                  '{"inputs": {"tiles": ' + "[" * 200_000 + "]" * 200_000 + "}}",
+                  '{"inputs": {"tiles": ' + "[" * 5_000_000]
+        for body in bodies:
             self.assert_problem(service.post_json("merge", body.encode("latin-1"), CRS), 400)
         deep = '{"inputs": {"tiles": {"type": "TIN", "more": ' + '{"a":' * 100 + "1" + "}" * 100 + "}}}"
         self.assert_problem(service.post_json("merge", deep, CRS), 400)
