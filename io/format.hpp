@@ -31,7 +31,8 @@ struct ReadOptions {
 
 struct WriteOptions {
   std::string certificate_json;  // formats that can carry it do (Terrane JSON)
-  std::vector<std::pair<std::string, std::string>> extra;  // further comment lines (key, value) for formats with comments
+  // further comment lines (key, value) for formats with comments
+  std::vector<std::pair<std::string, std::string>> extra;
 };
 
 struct Format {
@@ -40,8 +41,8 @@ struct Format {
   std::string media_type;               // "model/obj"
   std::string description;              // one sentence for people
 
-  /// Decodes bytes. Bounded: never more memory than a small multiple of the bytes; throws Error{input} naming the element.
-  /// Null: we do not read this format.
+  /// Decodes bytes. Bounded: never more memory than a small multiple of the bytes; throws Error{input} naming the
+  /// element. Null: we do not read this format.
   std::function<Dataset(std::string_view bytes, const ReadOptions&, Context&)> read;
   /// Encodes a TIN; the same bytes for the same value. Null: we do not write it.
   std::function<std::string(const Tin&, const Crs&, const WriteOptions&, Context&)> write;

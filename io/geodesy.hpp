@@ -47,22 +47,25 @@ class Crs {
 };
 
 /// Transforms every vertex. Heights are shifted only when both CRSs have a vertical datum that is known and differs;
-/// a missing geoid grid is Error{input, "missing-grid"} naming it. Throws Error{input, "outside-crs"} naming a vertex that
-/// the target cannot hold. Faces stay; the caller checks that none turned over.
-/// `planarity_error`: the largest vertical distance, in the target, between an edge's midpoint transformed and the midpoint
-/// of the transformed edge's end points projected on the surface: how much straight edges bend.
+/// a missing geoid grid is Error{input, "missing-grid"} naming it. Throws Error{input, "outside-crs"} naming a
+/// vertex that the target cannot hold. A height unit that the CRS only implies is converted with a warning. Faces stay;
+/// the caller checks that none turned over.
+/// `planarity_error`: the largest vertical distance, in the target, between an edge's midpoint transformed and the
+/// surface of the transformed faces at its place: how much straight edges bend.
 Tin transform(const Tin& tin, const Crs& from, const Crs& to, double* planarity_error, Context& context);
 
 /// Places of (x, y, z) transformed in bulk, same rules. Failed points become NaN instead of throwing.
 void transform_points(std::vector<Point>& points, const Crs& from, const Crs& to);
 
 /// Puts tiles in one geographic CRS on one sheet: whole tiles are shifted by multiples of 360 degrees so that they lie
-/// beside each other, the result within [-180, 180] wherever it does not cross the antimeridian. Returns the shift per box.
+/// beside each other, the result within [-180, 180] wherever it does not cross the antimeridian. Returns the shift
+/// per box.
 std::vector<double> unwrap_longitudes(const std::vector<Box>& boxes);
 
 /// True m2 on the ellipsoid per unit of plan area of the CRS; for local frames the units alone.
 AreaScale ellipsoidal_area_scale(const Crs& crs);
-/// m2 per unit of plan area, the map projection taken at its word; geographic CRSs have none and get the ellipsoidal one.
+/// m2 per unit of plan area, the map projection taken at its word; geographic CRSs have none and get the ellipsoidal
+/// one.
 AreaScale grid_area_scale(const Crs& crs);
 /// Mean combined (area) scale factor sqrt(grid area / ellipsoidal area) at a place; 1 for geographic and local.
 double scale_factor(const Crs& crs, Point2 at);

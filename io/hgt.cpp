@@ -6,7 +6,8 @@
 #include "io/format_list.hpp"
 #include "io/text.hpp"
 
-// SRTM's HGT: nothing but big-endian 16-bit heights. The name says where: N44W072.hgt begins there and goes north and east.
+// SRTM's HGT: nothing but big-endian 16-bit heights. The name says where:
+// N44W072.hgt begins there and goes north and east.
 namespace terrane {
 
 namespace {
