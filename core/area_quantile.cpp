@@ -22,7 +22,7 @@ double bisect(std::vector<Ranged> active, double wanted, AtMost at_most) {
   for (const Ranged& r : active) low = std::min(low, r.low), high = std::max(high, r.high);
   const double precision = 1e-13 * (high - low);
   low -= 1e-3 * (high - low);  // or level areas at the very bottom would be settled before they are the answer
-  Sum settled;  // area known to be below the bracket
+  Sum settled;                 // area known to be below the bracket
   while (high - low > precision) {
     const double middle = low + 0.5 * (high - low);
     if (middle <= low || middle >= high) break;

@@ -57,7 +57,8 @@ class Folder {
 
 Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const Assembly& assembly, Context& context) {
   if (sign < 0 && outside == Outside::keep)
-    throw Error(ErrorKind::usage, "outside", "a difference has no height of its own outside the overlap; use drop or zero");
+    throw Error(ErrorKind::usage, "outside",
+                "a difference has no height of its own outside the overlap; use drop or zero");
   const bool swap = content_before(b, a);
   const Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
   const std::array<int, 2> signs = swap ? std::array{sign, 1} : std::array{1, sign};

@@ -18,9 +18,9 @@ struct CornersByPlace {
 };
 CornersByPlace corners_by_place(const std::vector<Face>& faces, std::size_t points);
 
-/// Makes one double of the heights at a place that lie within rounding of each other, preferring firm ones, then the first
-/// face's; afterwards of those within `z_tolerance` of the height of the face that comes first.
-/// Places for which `wanted` is false are left alone. Returns the largest move. O(corners).
+/// Makes one double of the heights at a place that lie within rounding of each other, preferring firm ones, then the
+/// first face's; afterwards of those within `z_tolerance` of the height of the face that comes first. Places for which
+/// `wanted` is false are left alone. Returns the largest move. O(corners).
 double close_jumps(CornerSurface& surface, const CornersByPlace& places, double z_tolerance,
                    const std::function<bool(Point2)>& wanted = {});
 

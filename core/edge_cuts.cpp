@@ -136,8 +136,7 @@ class Cutter {
       if (edge == none) continue;
       const OnEdge& on = edges_[edge];
       const bool forwards = first_half_[edge] == 3 * f + side;
-      for (Index i = 0; i < on.count; ++i)
-        nodes.push_back({on.vertices[forwards ? i : on.count - 1 - i], 1u << side});
+      for (Index i = 0; i < on.count; ++i) nodes.push_back({on.vertices[forwards ? i : on.count - 1 - i], 1u << side});
     }
     first_triangle_ = f;
     const auto [i, j] = chord(f, face, nodes);
@@ -168,8 +167,8 @@ class Cutter {
     return {std::min(corner, own[0]), std::max(corner, own[0])};
   }
 
-  /// Cuts ears off a convex polygon with collinear nodes, the best-shaped first. Whether three nodes are collinear is known
-  /// from the lines they lie on; rounded places only choose between right answers.
+  /// Cuts ears off a convex polygon with collinear nodes, the best-shaped first. Whether three nodes are collinear is
+  /// known from the lines they lie on; rounded places only choose between right answers.
   void triangulate(std::vector<Node> polygon, Index label) {
     while (polygon.size() > 3) {
       std::size_t best = polygon.size();
@@ -177,9 +176,9 @@ class Cutter {
       for (std::size_t i = 0; i < polygon.size(); ++i) {
         if (!is_ear(polygon, i)) continue;
         const double q = ear_quality(polygon, i);
-        const bool better = best == polygon.size() || q > best_quality ||
-                            (q == best_quality && before(cut_.mesh.points[polygon[i].vertex],
-                                                         cut_.mesh.points[polygon[best].vertex]));
+        const bool better =
+            best == polygon.size() || q > best_quality ||
+            (q == best_quality && before(cut_.mesh.points[polygon[i].vertex], cut_.mesh.points[polygon[best].vertex]));
         if (better) best = i, best_quality = q;
       }
       assert(best < polygon.size());
@@ -219,7 +218,7 @@ class Cutter {
   CutMesh& cut_;
   const std::vector<EdgeCut>& cuts_;
   Chords chords_;
-  std::vector<Index> edge_of_;     // half-edge -> edge with vertices on it
+  std::vector<Index> edge_of_;  // half-edge -> edge with vertices on it
   std::vector<OnEdge> edges_;
   std::vector<Index> first_half_;  // the half-edge that an edge's vertices are ordered along
   Index first_triangle_ = none;    // where the first triangle of a split face goes
@@ -260,7 +259,8 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
   return cut;
 }
 
-double value_on(const CutMesh& cut, const std::vector<Point2>& points, const Face& face, const double* values, Index v) {
+double value_on(const CutMesh& cut, const std::vector<Point2>& points, const Face& face, const double* values,
+                Index v) {
   for (int k = 0; k < 3; ++k)
     if (face[k] == v) return values[k];
   if (v >= cut.first_made) {

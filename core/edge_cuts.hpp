@@ -7,8 +7,8 @@
 #include "core/rounding.hpp"
 #include "core/tin.hpp"
 
-// New vertices where a linear function is zero along edges of a conforming triangulation: where heights cross along a seam,
-// and where two surfaces cross.
+// New vertices where a linear function is zero along edges of a conforming triangulation: where heights cross along a
+// seam, and where two surfaces cross.
 namespace terrane {
 
 /// Asks for a vertex on the edge of `face` opposite corner `side`, where a function linear along it is zero.
@@ -35,8 +35,8 @@ struct CutMesh {
   Rounded rounded;
 };
 
-/// Cuts the faces of a triangulation at vertices on their edges; both faces at an edge receive them. With chords a face that
-/// asked for two vertices is divided between them, one that asked for one between it and the opposite corner.
+/// Cuts the faces of a triangulation at vertices on their edges; both faces at an edge receive them. With chords a face
+/// that asked for two vertices is divided between them, one that asked for one between it and the opposite corner.
 /// Rounded and verified. O(faces + cuts log cuts).
 CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chords, Context& context);
 

@@ -32,9 +32,8 @@ std::vector<int> order_by_content(const std::vector<Tin>& tiles, std::vector<int
     }
     return s.faces < t.faces;
   };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return key(a) != key(b) ? key(a) < key(b) : content_before(a, b);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return key(a) != key(b) ? key(a) < key(b) : content_before(a, b); });
   return order;
 }
 
@@ -130,8 +129,8 @@ Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& or
       continue;
     }
     Piece merged = Step(near, tile, static_cast<int>(rank), policy, sets).run(report, context);
-    // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face at a
-    // place inside the box is at hand; elsewhere nothing has changed.
+    // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face
+    // at a place inside the box is at hand; elsewhere nothing has changed.
     const CornersByPlace places = corners_by_place(merged.surface.faces, merged.surface.points.size());
     close_jumps(merged.surface, places, 0, [&](Point2 p) { return touches({p.x, p.y, p.x, p.y}, box); });
     mosaic.add(merged);

@@ -19,8 +19,8 @@ struct MergeOptions {
 /// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
 /// Lengths, areas and heights in CRS units.
 struct SeamPair {
-  int a = 0, b = 0;       // indices of the tiles, a < b
-  bool overlap = false;   // false: they share only a border
+  int a = 0, b = 0;      // indices of the tiles, a < b
+  bool overlap = false;  // false: they share only a border
   double overlap_area_2d = 0;
   double dz_mean = 0, dz_median = 0, dz_rmse = 0, dz_nmad = 0, dz_p95_abs = 0;  // area-weighted over the overlap
   // Jumps left in the merged surface along the seam of this pair.
@@ -36,10 +36,10 @@ struct Merged {
   std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
 };
 
-/// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max, mean
-/// and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share only a
-/// border it is made conforming. Islands are never connected. Empty tiles are the identity.
-/// Time grows with the tiles: faces far from the tile being added are not visited by its overlay.
+/// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max,
+/// mean and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share
+/// only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows with the
+/// tiles: faces far from the tile being added are not visited by its overlay.
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);
 
 }  // namespace terrane

@@ -90,7 +90,7 @@ Tin as_tin(const Piece& piece) {
   Tin tin;
   tin.faces.resize(surface.faces.size());
   std::vector<Index> first(surface.points.size(), none);  // vertex of the first height seen at a place
-  std::vector<Index> next;                                 // vertex of another height at the same place
+  std::vector<Index> next;                                // vertex of another height at the same place
   for (std::size_t c = 0; c < surface.z.size(); ++c) {
     const Index place = surface.faces[c / 3][c % 3];
     Index* link = &first[place];
@@ -148,8 +148,7 @@ Tin near_faces(const Tin& tin, const Box& box) {
 }
 
 Box widened(const Box& box) {
-  const double largest =
-      std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
+  const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double margin = 1e-6 * std::max(box.xmax - box.xmin, box.ymax - box.ymin) + 1e-12 * largest;
   return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
 }

@@ -9,7 +9,8 @@
 #include "core/surface.hpp"
 #include "core/tin.hpp"
 
-// The surface that a merge has accumulated, in pieces small enough that a tile finds the faces near it without visiting all.
+// The surface that a merge has accumulated, in pieces small enough that a tile finds the faces near it without visiting
+// all.
 namespace terrane {
 
 /// Sets of tiles, each stored once. A tile is known by its rank in the order of the merge.

@@ -10,8 +10,8 @@
 
 namespace terrane {
 
-/// What two tiles say of each other, from their own full overlay: statistics of dz = b - a where both have a surface, exact
-/// for the piecewise linear dz, weighted by area. Nothing when they neither overlap nor share a piece of border.
+/// What two tiles say of each other, from their own full overlay: statistics of dz = b - a where both have a surface,
+/// exact for the piecewise linear dz, weighted by area. Nothing when they neither overlap nor share a piece of border.
 /// Overlaps below 1e-10 of the smaller tile are borders that rounding made overlap. O(n log n) in the faces near both.
 std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& context);
 

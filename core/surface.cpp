@@ -36,8 +36,8 @@ std::vector<EdgeCut> sign_changes(const CornerSurface& surface, const std::vecto
   return cuts;
 }
 
-/// Where the zero point of a jump rounded onto a vertex, the jump there is within rounding of zero: both heights become that
-/// of the first face.
+/// Where the zero point of a jump rounded onto a vertex, the jump there is within rounding of zero: both heights become
+/// that of the first face.
 struct Closure {
   Index point;
   double from, to;
@@ -123,8 +123,8 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
     throw Error(ErrorKind::internal, "seam-ramp", "seam=ramp cannot be assembled from corner heights");
   Assembled result;
   PlanarMesh mesh;
-  // Every round leaves edges whose jump keeps its sign; rounding a zero point onto an end can give another edge there a new
-  // one, which the next round finds. Two rounds are common, three rare.
+  // Every round leaves edges whose jump keeps its sign; rounding a zero point onto an end can give another edge there a
+  // new one, which the next round finds. Two rounds are common, three rare.
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
     const CornersByPlace places = corners_by_place(surface.faces, surface.points.size());

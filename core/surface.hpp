@@ -18,8 +18,8 @@ struct CornerSurface {
   std::vector<Point2> points;
   std::vector<Face> faces;
   std::vector<double> z;  // 3 * face + corner
-  /// 1 where z is the height of an input vertex as it came: welding keeps such a height and moves the interpolated ones.
-  /// Empty: no height is dearer than another.
+  /// 1 where z is the height of an input vertex as it came: welding keeps such a height and moves the interpolated
+  /// ones. Empty: no height is dearer than another.
   std::vector<std::uint8_t> firm = {};  // 3 * face + corner
 };
 
@@ -39,18 +39,17 @@ struct Assembled {
 };
 
 /// The TIN of a corner surface. Jumps along shared edges: up to 1e-9 * max(1, |z|) they are rounding and welded; up to
-/// z_tolerance closed; larger ones become walls (Seam::wall) or stay open (Seam::split). Where a jump changes sign along
-/// an edge the zero point becomes a vertex of both faces. Each place holds one vertex per height; every wall face has two
-/// corners with identical x and y, turned so that surface and walls are one oriented surface; vertical edges conform: none
-/// passes through a vertex at its place. Points lie at different places, faces are strictly positive and conform.
-/// The result is canonical. O(n log n).
-/// Seam::ramp is refused: Error{internal}.
+/// z_tolerance closed; larger ones become walls (Seam::wall) or stay open (Seam::split). Where a jump changes sign
+/// along an edge the zero point becomes a vertex of both faces. Each place holds one vertex per height; every wall face
+/// has two corners with identical x and y, turned so that surface and walls are one oriented surface; vertical edges
+/// conform: none passes through a vertex at its place. Points lie at different places, faces are strictly positive and
+/// conform. The result is canonical. O(n log n). Seam::ramp is refused: Error{internal}.
 Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& context);
 
-/// Splits the faces of an overlay along the lines where the heights of A and B cross, so that on every face one of the two
-/// is nowhere below the other (but for what rounding flips across the line). Parents stay; at a new vertex both heights are
-/// the same double. Where an input jumps across an edge its two sides may cross the other surface at two places: both
-/// become vertices of both faces. The new vertices are rounded and verified like crossings. O(n).
+/// Splits the faces of an overlay along the lines where the heights of A and B cross, so that on every face one of the
+/// two is nowhere below the other (but for what rounding flips across the line). Parents stay; at a new vertex both
+/// heights are the same double. Where an input jumps across an edge its two sides may cross the other surface at two
+/// places: both become vertices of both faces. The new vertices are rounded and verified like crossings. O(n).
 Overlay split_where_surfaces_cross(Overlay overlay, Context& context);
 
 }  // namespace terrane

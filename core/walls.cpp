@@ -12,7 +12,8 @@ namespace {
 
 class Raiser {
  public:
-  Raiser(const CornerSurface& surface, const std::vector<Face>& neighbours) : surface_(surface), neighbours_(neighbours) {}
+  Raiser(const CornerSurface& surface, const std::vector<Face>& neighbours)
+      : surface_(surface), neighbours_(neighbours) {}
 
   Walled run(bool walls) {
     make_vertices();
@@ -32,7 +33,8 @@ class Raiser {
     std::vector<double> heights;
     for (std::size_t p = 0; p < surface_.points.size(); ++p) {
       heights.clear();
-      for (std::size_t i = places.first[p]; i < places.first[p + 1]; ++i) heights.push_back(surface_.z[places.corners[i]]);
+      for (std::size_t i = places.first[p]; i < places.first[p + 1]; ++i)
+        heights.push_back(surface_.z[places.corners[i]]);
       std::sort(heights.begin(), heights.end());
       heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
       const std::size_t lowest = tin.vertices.size();
@@ -45,8 +47,8 @@ class Raiser {
     }
   }
 
-  /// Closes the edge of f opposite corner k: a strip between the vertices that stand in a row at both ends. It is laid from
-  /// the bottom up, the lower next vertex first, so that neither side of the seam is preferred.
+  /// Closes the edge of f opposite corner k: a strip between the vertices that stand in a row at both ends. It is laid
+  /// from the bottom up, the lower next vertex first, so that neither side of the seam is preferred.
   void wall(Index f, int k) {
     const Face& upper = result_.tin.faces[f];
     const Index g = neighbours_[f][k];

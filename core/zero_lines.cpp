@@ -8,7 +8,9 @@
 namespace terrane {
 namespace {
 
-bool has_both(const Overlay& overlay, Index f) { return overlay.parents[f][0] != none && overlay.parents[f][1] != none; }
+bool has_both(const Overlay& overlay, Index f) {
+  return overlay.parents[f][0] != none && overlay.parents[f][1] != none;
+}
 
 double difference(const Overlay& overlay, Index f, int corner) {
   return overlay.height(0, f, corner) - overlay.height(1, f, corner);
@@ -81,8 +83,8 @@ class Carrier {
     }
   }
 
-  /// Both heights at a vertex made for a face are one double there; B's, unless only A can hold a height of its own per face.
-  /// The same where rounding moved such a vertex onto another: the line passes within rounding of that one.
+  /// Both heights at a vertex made for a face are one double there; B's, unless only A can hold a height of its own per
+  /// face. The same where rounding moved such a vertex onto another: the line passes within rounding of that one.
   void equate() {
     std::vector<Index> lands_on(after_.points.size(), none);  // chain of cut vertices that ended at a point
     std::vector<Index> next(cut_.made.size(), none);

@@ -130,7 +130,8 @@ TEST(MergeLaws, HeightsFollowThePolicyEverywhere) {
   const std::vector<Tin> tiles = windows();
   std::vector<Sampler> samplers;
   for (const Tin& tile : tiles) samplers.emplace_back(tile);
-  for (const Overlap policy : {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
+  for (const Overlap policy :
+       {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
     const Tin tin = merged(tiles, policy).surface.tin;
     EXPECT_EQ(wrong_with(tin), "");
     EXPECT_EQ(open_seams(tin), "");
@@ -177,7 +178,8 @@ TEST(MergeLaws, AMergeOfTheCutsIsTheOriginal) {
   std::vector<Tin> cuts;
   for (int i = 0; i < 4; ++i)
     cuts.push_back(support::without(whole, [i](Point2 c) { return (c.x > 4000) + 2 * (c.y > 6000) != i; }));
-  for (const Overlap policy : {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
+  for (const Overlap policy :
+       {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
     const Merged result = merged(cuts, policy);
     EXPECT_EQ(result.surface.tin, whole);
     EXPECT_EQ(result.surface.wall_area, 0);
@@ -203,7 +205,8 @@ TEST(MergeLaws, ManyTilesWithBordersThatAlmostMeet) {
   std::vector<Tin> tiles;
   for (int i = 0; i < 9; ++i) {
     const Tin tile = support::jittered(support::random_terrain(100, 20 + i), 1e-9, true);
-    tiles.push_back(support::without_bad_faces(support::shifted(tile, (i % 3) * support::side, (i / 3) * support::side)));
+    tiles.push_back(
+        support::without_bad_faces(support::shifted(tile, (i % 3) * support::side, (i / 3) * support::side)));
   }
   for (const Overlap policy : {Overlap::first, Overlap::mean, Overlap::max}) {
     const Tin tin = merged(tiles, policy).surface.tin;

@@ -118,7 +118,8 @@ TEST_P(NastyPair, IsAValidMeshWithTheHeightsOfBoth) {
     const support::Sampler z(tin);
     const support::Sampler& wanted = input == 0 ? of_a : of_b;
     for (const Point2 p : support::random_places(bounds(tin), 2000, 9)) {
-      if (!z.clear_of_edges(p, std::max(1e-3, 1e6 * play)) || !wanted.clear_of_edges(p, std::max(1e-3, 1e6 * play))) continue;
+      if (!z.clear_of_edges(p, std::max(1e-3, 1e6 * play)) || !wanted.clear_of_edges(p, std::max(1e-3, 1e6 * play)))
+        continue;
       EXPECT_EQ(std::isnan(z(p)), std::isnan(wanted(p)));
       if (!std::isnan(z(p))) {
         EXPECT_NEAR(z(p), wanted(p), 1e-6);

@@ -43,7 +43,8 @@ Sampler::Sampler(const Tin& tin) : tin_(tin), box_(bounds(tin)) {
       for (int i : {0, 1}) lo[i] = std::min(lo[i], c[i]), hi[i] = std::max(hi[i], c[i]);
     }
     for (int j = lo[1]; j <= hi[1]; ++j)
-      for (int i = lo[0]; i <= hi[0]; ++i) cells_[static_cast<std::size_t>(j) * size_ + i].push_back(static_cast<Index>(f));
+      for (int i = lo[0]; i <= hi[0]; ++i)
+        cells_[static_cast<std::size_t>(j) * size_ + i].push_back(static_cast<Index>(f));
   }
 }
 
@@ -55,8 +56,10 @@ const std::vector<Index>& Sampler::near(Point2 at) const {
 
 double Sampler::operator()(Point2 at) const {
   for (const Index f : near(at)) {
-    const Point &a = tin_.vertices[tin_.faces[f][0]], &b = tin_.vertices[tin_.faces[f][1]], &c = tin_.vertices[tin_.faces[f][2]];
-    if (orientation(plan(a), plan(b), at) < 0 || orientation(plan(b), plan(c), at) < 0 || orientation(plan(c), plan(a), at) < 0)
+    const Point &a = tin_.vertices[tin_.faces[f][0]], &b = tin_.vertices[tin_.faces[f][1]],
+                &c = tin_.vertices[tin_.faces[f][2]];
+    if (orientation(plan(a), plan(b), at) < 0 || orientation(plan(b), plan(c), at) < 0 ||
+        orientation(plan(c), plan(a), at) < 0)
       continue;
     const double wa = area2_accurate(plan(b), plan(c), at), wb = area2_accurate(plan(c), plan(a), at),
                  wc = area2_accurate(plan(a), plan(b), at), sum = wa + wb + wc;
@@ -68,14 +71,17 @@ double Sampler::operator()(Point2 at) const {
 bool Sampler::clear_of_edges(Point2 at, double clearance) const {
   for (const Index f : near(at))
     for (int k = 0; k < 3; ++k)
-      if (distance(at, plan(tin_.vertices[tin_.faces[f][k]]), plan(tin_.vertices[tin_.faces[f][(k + 1) % 3]])) < clearance)
+      if (distance(at, plan(tin_.vertices[tin_.faces[f][k]]), plan(tin_.vertices[tin_.faces[f][(k + 1) % 3]])) <
+          clearance)
         return false;
   return true;
 }
 
 std::vector<Point2> random_places(const Box& box, int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * (static_cast<double>(random() >> 11) * 0x1p-53); };
+  const auto uniform = [&](double lo, double hi) {
+    return lo + (hi - lo) * (static_cast<double>(random() >> 11) * 0x1p-53);
+  };
   std::vector<Point2> places(count);
   for (Point2& p : places) p.x = uniform(box.xmin, box.xmax), p.y = uniform(box.ymin, box.ymax);
   return places;
@@ -120,7 +126,8 @@ std::string open_seams(const Tin& tin) {
     const bool vertical = plan(u) == plan(v);
     const auto on_plan = flat.find({place(u), place(v)});
     const bool at_border = vertical ? border.contains(place(u)) : on_plan != flat.end() && on_plan->second != 0;
-    if (!at_border) open << "edge " << u.x << " " << u.y << " " << u.z << " - " << v.x << " " << v.y << " " << v.z << "; ";
+    if (!at_border)
+      open << "edge " << u.x << " " << u.y << " " << u.z << " - " << v.x << " " << v.y << " " << v.z << "; ";
   }
   return open.str();
 }

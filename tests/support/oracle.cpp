@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/oracle.hpp"
 
-// Cascading intersections cost time here, not truth: the kernel is exact.
-#define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Constrained_triangulation_plus_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
@@ -29,7 +28,9 @@ using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
 using FaceBase =
     CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<Mark, Kernel>>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>;
+// "Plus" crosses the constraints as they came, not their pieces: exact numbers would nest deeper with every crossing.
+using Triangulation = CGAL::Constrained_triangulation_plus_2<
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_intersections_tag>>;
 
 ExactPoint exact(const Point& p) { return {p.x, p.y}; }
 
@@ -39,7 +40,8 @@ double nearest(const Number& value) {
   const double d = CGAL::to_double(e);
   const Exact at(d);
   if (at == e) return d;
-  const double other = std::nextafter(d, at < e ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity());
+  const double other =
+      std::nextafter(d, at < e ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity());
   const Exact l = CGAL::abs(Exact(e - at)), r = CGAL::abs(Exact(Exact(other) - e));
   return r < l ? other : d;
 }
@@ -69,8 +71,8 @@ class Locator {
     for (const Index f : cells_[cell(y, box_.ymin, box_.ymax) * size + cell(x, box_.xmin, box_.xmax)]) {
       bool inside = true;
       for (int k = 0; k < 3 && inside; ++k)
-        inside = CGAL::orientation(exact(tin_.vertices[tin_.faces[f][k]]), exact(tin_.vertices[tin_.faces[f][(k + 1) % 3]]),
-                                   p) != CGAL::RIGHT_TURN;
+        inside = CGAL::orientation(exact(tin_.vertices[tin_.faces[f][k]]),
+                                   exact(tin_.vertices[tin_.faces[f][(k + 1) % 3]]), p) != CGAL::RIGHT_TURN;
       if (inside) return f;
     }
     return none;
@@ -87,7 +89,8 @@ class Locator {
 };
 
 Number exact_height(const Tin& tin, Index f, const ExactPoint& p) {
-  const Point &a = tin.vertices[tin.faces[f][0]], &b = tin.vertices[tin.faces[f][1]], &c = tin.vertices[tin.faces[f][2]];
+  const Point &a = tin.vertices[tin.faces[f][0]], &b = tin.vertices[tin.faces[f][1]],
+              &c = tin.vertices[tin.faces[f][2]];
   const Number wa = CGAL::area(exact(b), exact(c), p), wb = CGAL::area(exact(c), exact(a), p),
                wc = CGAL::area(exact(a), exact(b), p);
   return (wa * Number(a.z) + wb * Number(b.z) + wc * Number(c.z)) / (wa + wb + wc);

@@ -6,12 +6,12 @@
 #include "core/overlay.hpp"
 #include "core/tin.hpp"
 
-// An independent, slow and exact overlay to compare core/overlay with: CGAL's constrained Delaunay triangulation with exact
-// constructions. Shares no code with the core but its types.
+// An independent, slow and exact overlay to compare core/overlay with: CGAL's constrained Delaunay triangulation with
+// exact constructions. Shares no code with the core but its types.
 namespace terrane::support {
 
-/// The overlay of A and B, points rounded to the nearest doubles. Nothing is mended: faces may be turned over by rounding
-/// where features are closer than doubles. Small inputs only (seconds at 2,000 vertices each).
+/// The overlay of A and B, points rounded to the nearest doubles. Nothing is mended: faces may be turned over by
+/// rounding where features are closer than doubles. Small inputs only (seconds at 2,000 vertices each).
 Overlay oracle_overlay(const Tin& a, const Tin& b);
 
 /// What the exact arrangement of the edges of A and B holds inside the union of the domains.

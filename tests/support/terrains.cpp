@@ -228,12 +228,13 @@ Tin without_bad_faces(Tin tin) {
 }
 
 const std::vector<std::string>& nasty_pairs() {
-  static const std::vector<std::string> names{
-      "identical",      "jitter-1e-12",      "jitter-1e-9",     "jitter-1e-6",       "jitter-1e-3",     "jitter-all-1e-12",
-      "jitter-all-1e-9", "ulp",              "ulp-all",         "grid-48-flipped",   "grid-48-96",      "grid-48-49",
-      "rotated-17",     "grid-rotated-17",   "grids-rotated",   "simplified",        "random",          "tiles-ulp",
-      "tiles-1e-9",     "tiles-rotated",     "steps-1e-3",      "steps-1e-7-jitter", "holes",           "islands",
-      "l-shapes",       "half-offset-grid"};
+  static const std::vector<std::string> names{"identical",   "jitter-1e-12",      "jitter-1e-9",     "jitter-1e-6",
+                                              "jitter-1e-3", "jitter-all-1e-12",  "jitter-all-1e-9", "ulp",
+                                              "ulp-all",     "grid-48-flipped",   "grid-48-96",      "grid-48-49",
+                                              "rotated-17",  "grid-rotated-17",   "grids-rotated",   "simplified",
+                                              "random",      "tiles-ulp",         "tiles-1e-9",      "tiles-rotated",
+                                              "steps-1e-3",  "steps-1e-7-jitter", "holes",           "islands",
+                                              "l-shapes",    "half-offset-grid"};
   return names;
 }
 

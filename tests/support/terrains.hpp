@@ -20,7 +20,8 @@ Tin random_terrain(int points, std::uint64_t seed);
 /// n x n cells on the square; rising diagonals run from lower left to upper right.
 Tin grid_terrain(int n, bool rising);
 
-/// n x m cells of size `cell` with the lower left corner at (x, y), heights from a smooth function of the place plus `lift`.
+/// n x m cells of size `cell` with the lower left corner at (x, y), heights from a smooth function of the place plus
+/// `lift`.
 Tin patch(double x, double y, int n, int m, double cell, double lift = 0);
 
 /// Moves vertices by up to `amount` in x and y, as far as faces stay positive; those on the square's border only with

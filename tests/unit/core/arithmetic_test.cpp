@@ -22,12 +22,15 @@ Assembled combined(const Tin& a, const Tin& b, int sign, Outside outside, Seam s
   return combine(a, b, sign, outside, {seam, 0}, context);
 }
 
-const Tin low = drawn("111\n"
-                      "111\n"
-                      "111");
-const Tin high = drawn("345\n"
-                       "345\n"
-                       "345", 1, {1, 0});
+const Tin low = drawn(
+    "111\n"
+    "111\n"
+    "111");
+const Tin high = drawn(
+    "345\n"
+    "345\n"
+    "345",
+    1, {1, 0});
 
 TEST(Combine, SumOnTheOverlapAndTheLoneSurfaceOutside) {
   const Tin sum = combined(low, high, 1, Outside::keep).tin;

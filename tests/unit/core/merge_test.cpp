@@ -22,15 +22,18 @@ Merged merged(const std::vector<Tin>& tiles, Overlap overlap, Seam seam = Seam::
   return merge(tiles, {overlap, {seam, z_tolerance}}, context);
 }
 
-const Tin west = drawn("2222\n"
-                       "2222\n"
-                       "2222");
-const Tin east = drawn("5555\n"
-                       "5555\n"
-                       "5555", 1, {2, 0});
+const Tin west = drawn(
+    "2222\n"
+    "2222\n"
+    "2222");
+const Tin east = drawn(
+    "5555\n"
+    "5555\n"
+    "5555",
+    1, {2, 0});
 
 TEST(Merge, EachPolicyOnTheOverlap) {
-  const std::pair<Overlap, double> expected[] = {{Overlap::first, 2}, {Overlap::last, 5}, {Overlap::min, 2},
+  const std::pair<Overlap, double> expected[] = {{Overlap::first, 2}, {Overlap::last, 5},   {Overlap::min, 2},
                                                  {Overlap::max, 5},   {Overlap::mean, 3.5}, {Overlap::sum, 7}};
   for (const auto& [policy, height] : expected) {
     const Tin tin = merged({west, east}, policy).surface.tin;
@@ -70,7 +73,8 @@ TEST(Merge, MinAndMaxAreSplitWhereSurfacesCross) {
 }
 
 TEST(Merge, ABorderIsMadeConformingAndNoHeightMoves) {
-  const Tin coarse = drawn("a0a\n0a0\na0a", 3), fine = drawn("5150515\n1515151\n0515151\n5151515\n1515151\n5151515\n0515151", 1, {6, 0});
+  const Tin coarse = drawn("a0a\n0a0\na0a", 3),
+            fine = drawn("5150515\n1515151\n0515151\n5151515\n1515151\n5151515\n0515151", 1, {6, 0});
   const Merged result = merged({coarse, fine}, Overlap::mean);
   EXPECT_EQ(wrong_with(result.surface.tin), "");
   EXPECT_EQ(open_seams(result.surface.tin), "");

@@ -168,13 +168,9 @@ TEST(Assemble, PiecesThatTouchInAPlaceShareItsVertex) {
   EXPECT_EQ(assembled(surface).tin.vertices.size(), 5u);
 }
 
-TEST(Assemble, NothingBecomesNothing) {
-  EXPECT_TRUE(assembled({}).tin.faces.empty());
-}
+TEST(Assemble, NothingBecomesNothing) { EXPECT_TRUE(assembled({}).tin.faces.empty()); }
 
-TEST(Assemble, RampIsRefused) {
-  EXPECT_THROW(assembled(two_squares({1, 2}, {5, 4}), Seam::ramp), Error);
-}
+TEST(Assemble, RampIsRefused) { EXPECT_THROW(assembled(two_squares({1, 2}, {5, 4}), Seam::ramp), Error); }
 
 Overlay crossing(const char* a, const char* b) {
   Context context;
