@@ -40,7 +40,7 @@ Arrangement::Arrangement(const CompletedMesh& a, const CompletedMesh& b, std::ve
     key_base_[m] = m == 0 ? 0 : key_base_[1];
     key_base_[m + 1] = key_base_[m] + 2 * static_cast<Index>(chains_[m].nodes.size() + mesh_[m]->half.size());
   }
-  visited_.assign(key_base_[2], false);
+  spoken_for_.assign(key_base_[2], false);
   build_junctions();
   context.progress("overlay", 0.5);
 }
@@ -208,7 +208,7 @@ void Arrangement::order_b_chains() {
       keyed.push_back({k, v});
     }
     const auto less = [&](const Keyed& p, const Keyed& q) {
-      if (std::fabs(p.t - q.t) > 4e-12 * std::min(std::max(p.t, q.t), std::max(1 - p.t, 1 - q.t))) return p.t < q.t;
+      if (std::fabs(p.t - q.t) > 4e-12 * std::max(p.t, q.t)) return p.t < q.t;
       if (p.vertex == q.vertex) return false;
       return exact(p.vertex) < exact(q.vertex);
     };
@@ -286,8 +286,9 @@ void Arrangement::sort_spokes(Point2 centre, std::vector<Spoke>& spokes) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
     if (kept > 0 && !less(spokes[kept - 1], spokes[i])) {
-      for (int m = 0; m < 2; ++m)
-        if (spokes[i].key[m] != none) spokes[kept - 1].key[m] = spokes[i].key[m], spokes[kept - 1].left[m] = spokes[i].left[m];
+      spokes[kept - 1].key[1] = spokes[i].key[1];  // A's come first and speak for both
+      spokes[kept - 1].left[1] = spokes[i].left[1];
+      spokes[kept - 1].piece.edge_of_b = spokes[i].piece.edge;
     } else {
       spokes[kept++] = spokes[i];
     }
@@ -299,7 +300,7 @@ void Arrangement::sort_spokes(Point2 centre, std::vector<Spoke>& spokes) {
       for (Spoke& s : spokes) (s.key[m] != none ? carried : s.left[m]) = s.key[m] != none ? s.left[m] : carried;
   }
   for (const Spoke& s : spokes)
-    if (s.key[0] != none && s.key[1] != none) visited_[s.key[1]] = true;  // A speaks for both
+    if (s.key[0] != none && s.key[1] != none) spoken_for_[s.key[1]] = true;
 }
 
 Piece Arrangement::next(const Piece& p, Index head, bool& flat) const {
@@ -317,28 +318,21 @@ Piece Arrangement::next(const Piece& p, Index head, bool& flat) const {
   return leaving(p.mesh, next_half(p.direction == 0 ? h : mesh_[p.mesh]->twin[h]));
 }
 
-Piece Arrangement::turn_at_junction(const Piece& p, Index junction, bool& flat) const {
-  const Index back = key(p) ^ 1;
-  const Spoke* first = &spokes_[junction_first_[junction]];
-  const Index count = junction_first_[junction + 1] - junction_first_[junction];
-  Index i = 0;
-  while (i < count && !starts_here(first[i], back)) ++i;
-  if (i == count) throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
-  const Spoke& turn = first[i == 0 ? count - 1 : i - 1];
-  const Index vertex = junction_vertex_[junction];
-  const Point2 centre = vertex < base_[1] ? mesh_[0]->at(vertex) : mesh_[1]->at(vertex - base_[1]);
-  flat = orientation(centre, first[i].toward, turn.toward) == 0;
-  return turn.piece;
+const Arrangement::Spoke& Arrangement::spoke(Index junction, Index key) const {
+  for (Index i = junction_first_[junction]; i < junction_first_[junction + 1]; ++i)
+    if (spokes_[i].key[0] == key || spokes_[i].key[1] == key) return spokes_[i];
+  throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
 }
 
-/// A region that passes a junction learns both its faces from the sector it turns through.
-void Arrangement::label_at_junction(const Piece& leaving, Index junction, Region& region) const {
-  const Index k = key(leaving);
-  for (Index i = junction_first_[junction]; i < junction_first_[junction + 1]; ++i)
-    if (starts_here(spokes_[i], k)) {
-      for (int m = 0; m < 2; ++m) region.parent[m] = spokes_[i].left[m];
-      return;
-    }
+/// The region to the left continues with the spoke that comes before the way back, counter-clockwise.
+Piece Arrangement::turn_at_junction(const Piece& p, Index junction, bool& flat) const {
+  const Spoke& back = spoke(junction, key(p) ^ 1);
+  const Spoke *first = &spokes_[junction_first_[junction]], *last = &spokes_[junction_first_[junction + 1] - 1];
+  const Spoke& turn = &back == first ? *last : *(&back - 1);
+  const Index vertex = junction_vertex_[junction];
+  const Point2 centre = vertex < base_[1] ? mesh_[0]->at(vertex) : mesh_[1]->at(vertex - base_[1]);
+  flat = orientation(centre, back.toward, turn.toward) == 0;
+  return turn.piece;
 }
 
 }  // namespace terrane

@@ -29,10 +29,11 @@ struct Chains {
   Index count(Index e) const { return first[e + 1] - first[e]; }
 };
 
-/// A directed piece of an edge of one mesh.
+/// A directed piece of an edge of one mesh. Where pieces of both meshes coincide A's stands for both.
 struct Piece {
   int mesh;
   Index edge, position, direction;
+  Index edge_of_b = none;  // of the piece of B that coincides with this one of A
 };
 
 /// One convex region: its corners counter-clockwise, and the piece that leaves each corner.
@@ -50,7 +51,7 @@ class Arrangement {
 
   /// Calls visit(Region&) for every region inside the box, each once; the same buffer every time.
   template <class Visitor>
-  void trace(Visitor&& visit);
+  void trace(Visitor&& visit) const;
 
   const CompletedMesh& mesh(int m) const { return *mesh_[m]; }
   const std::vector<Crossing>& crossings() const { return crossings_; }
@@ -89,7 +90,6 @@ class Arrangement {
   void build_junctions();
   void add_spokes(int m, Index vertex, std::vector<Spoke>& spokes) const;
   void sort_spokes(Point2 centre, std::vector<Spoke>& spokes);
-  bool starts_here(const Spoke& s, Index key) const { return s.key[0] == key || s.key[1] == key; }
 
   Index before(const Piece& p) const {
     return p.position == 0 ? vertex(p.mesh, mesh_[p.mesh]->origin(mesh_[p.mesh]->half[p.edge]))
@@ -109,7 +109,7 @@ class Arrangement {
   }
   Piece next(const Piece& p, Index head, bool& flat) const;
   Piece turn_at_junction(const Piece& p, Index junction, bool& flat) const;
-  void label_at_junction(const Piece& leaving, Index junction, Region& region) const;
+  const Spoke& spoke(Index junction, Index key) const;
 
   const CompletedMesh* mesh_[2];
   std::vector<Location> location_[2];
@@ -124,28 +124,30 @@ class Arrangement {
   std::vector<Index> junction_first_;
   std::vector<Index> junction_vertex_;
   std::vector<Spoke> spokes_;
-  std::vector<bool> visited_;
+  std::vector<bool> spoken_for_;      // pieces of B that coincide with one of A
 };
 
 template <class Visitor>
-void Arrangement::trace(Visitor&& visit) {
+void Arrangement::trace(Visitor&& visit) const {
   Region region;
+  std::vector<bool> visited = spoken_for_;
   for (int m = 0; m < 2; ++m)
     for (Index e = 0; e < static_cast<Index>(mesh_[m]->half.size()); ++e)
       for (Index position = 0; position <= chains_[m].count(e); ++position)
         for (Index direction = 0; direction < 2; ++direction) {
           Piece piece{m, e, position, direction};
           const Index start = key(piece);
-          if (visited_[start] || left_face(piece) == none) continue;
+          if (visited[start] || left_face(piece) == none) continue;
           region.parent[0] = region.parent[1] = none;
           region.corners.clear();
           region.flat.clear();
           region.pieces.clear();
           Index k = start;
           Index corner = tail(piece);
+          if (corner < base_[2] && junction_of_[corner] != none) piece = spoke(junction_of_[corner], start).piece;
           bool flat = false;
           do {
-            visited_[k] = true;
+            visited[k] = true;
             region.corners.push_back(corner);
             region.flat.push_back(flat);
             region.pieces.push_back(piece);
@@ -154,7 +156,8 @@ void Arrangement::trace(Visitor&& visit) {
             flat = false;
             piece = next(piece, corner, flat);
             k = key(piece);
-            if (corner < base_[2] && junction_of_[corner] != none) label_at_junction(piece, junction_of_[corner], region);
+            if (corner < base_[2] && junction_of_[corner] != none)  // the sector turned through knows both faces
+              for (int m2 = 0; m2 < 2; ++m2) region.parent[m2] = spoke(junction_of_[corner], k).left[m2];
           } while (k != start);
           region.flat[0] = flat;
           for (int side = 0; side < 2; ++side)

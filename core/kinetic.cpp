@@ -82,7 +82,7 @@ class Kinetic {
     };
     if (leg(v, ExactPoint(goal.x, goal.y), true)) return true;
     for (int attempt = 0; attempt < 40 && alive(v); ++attempt) {
-      const double ulps = attempt < 20 ? 2 : 8;
+      const double ulps = attempt < 20 ? 0.5 : 4;
       const ExactPoint waypoint(wobble(goal.x, ulps), wobble(goal.y, ulps));
       if (leg(v, waypoint, false) && (!alive(v) || leg(v, ExactPoint(goal.x, goal.y), true))) return true;
     }
@@ -100,7 +100,7 @@ class Kinetic {
         return true;
       }
       const ExactPoint from = at(v);
-      const bool at_end = time == 1;
+      const bool at_end = time == 1 || from == target;
       ExactPoint stop = at_end ? target : from + (target - from) * time;
       CGAL::exact(stop);  // folds the expression, which would otherwise grow with every event
       Index meets = none;

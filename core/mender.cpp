@@ -68,7 +68,7 @@ void Mender::flip(Index f, int k, const Quad& quad) {
   relink(uq, f, g);
   anchor(f);
   anchor(g);
-  ++flips;
+  ++flips_;
 }
 
 bool Mender::merge(Index f, int k, Index keep) {
@@ -111,17 +111,18 @@ bool Mender::merge(Index f, int k, Index keep) {
   }
   journal_.push_back({none, {}, {}, none, gone});
   merged_into_[gone] = keep;
-  ++merges;
+  ++merges_;
   return true;
 }
 
-void Mender::undo(std::size_t mark) {
+void Mender::undo(Mark mark) {
+  flips_ = mark.flips;
   std::vector<Index> touched;
-  while (journal_.size() > mark) {
+  while (journal_.size() > mark.entries) {
     const Entry& e = journal_.back();
     if (e.face == none) {
       merged_into_[e.vertex] = e.vertex;
-      --merges;
+      --merges_;
     } else {
       mesh_.faces[e.face] = e.corners;
       mesh_.neighbours[e.face] = e.neighbours;
@@ -134,8 +135,8 @@ void Mender::undo(std::size_t mark) {
     if (alive(f)) anchor(f);
 }
 
-void Mender::changed(std::size_t mark, std::vector<Index>& faces) const {
-  for (std::size_t i = mark; i < journal_.size(); ++i)
+void Mender::changed(Mark mark, std::vector<Index>& faces) const {
+  for (std::size_t i = mark.entries; i < journal_.size(); ++i)
     if (journal_[i].face != none) faces.push_back(journal_[i].face);
 }
 

@@ -29,12 +29,17 @@ class Mender {
   bool merge(Index f, int k, Index keep);
 
   /// Everything done since the mark is undone, in reverse.
-  std::size_t mark() const { return journal_.size(); }
-  void undo(std::size_t mark);
+  struct Mark {
+    std::size_t entries = 0;
+    Index flips = 0;
+  };
+  Mark mark() const { return {journal_.size(), flips_}; }
+  void undo(Mark mark);
   /// Faces changed since the mark, each possibly several times.
-  void changed(std::size_t mark, std::vector<Index>& faces) const;
+  void changed(Mark mark, std::vector<Index>& faces) const;
   const std::vector<Index>& merged_into() const { return merged_into_; }
-  Index merges = 0, flips = 0;
+  Index merges() const { return merges_; }
+  Index flips() const { return flips_; }
 
  private:
   struct Entry {  // a face as it was; or, with face == none, a vertex that was merged
@@ -52,6 +57,7 @@ class Mender {
   std::vector<Index> face_of_;  // some live face at each vertex
   std::vector<Index> merged_into_;
   std::vector<Entry> journal_;
+  Index merges_ = 0, flips_ = 0;
   mutable std::vector<Index> scratch_[2];
 };
 

@@ -23,13 +23,15 @@ Box frame_around(const Tin& a, const Tin& b) {
   return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
 }
 
-/// Makes every face positive on its doubles; nothing happens when rounding hurt none, which is the common case.
-void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2], RoundingReport& report,
-                 Context& context, std::vector<Index>& relabelled) {
-  const bool sound = std::all_of(work.faces.begin(), work.faces.end(), [&](const Face& f) {
+bool all_positive(const OverlayFaces& work) {
+  return std::all_of(work.faces.begin(), work.faces.end(), [&](const Face& f) {
     return orientation(work.points[f[0]], work.points[f[1]], work.points[f[2]]) > 0;
   });
-  if (sound) return;
+}
+
+/// Makes every face positive on its doubles.
+void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2], RoundingReport& report,
+                 Context& context, std::vector<Index>& relabelled) {
   PlanarMesh mesh{std::move(work.points), std::move(work.faces), {}, std::move(work.region_of_face)};
   connect(mesh);
   const auto place = [&](Index v) { return v < arrangement.first_crossing() ? ExactPlace{} : crossing_place(arrangement, v); };
@@ -67,12 +69,15 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
   result.rounding.snapped = snapped.count;
   result.rounding.max_snap = snapped.max_move;
   Arrangement arrangement(mesh_a, mesh_b, std::move(snapped.location), context);
-  OverlayFaces work = faces_of(arrangement, options.refinement, context);
+  OverlayFaces work = faces_of(arrangement, options.refinement, false, context);
   const SurfaceHeights heights[2] = {{a, arrangement, 0, work.points}, {b, arrangement, 1, work.points}};
   result.rounding.regions = work.region_count;
 
   std::vector<Index> relabelled;
-  round_faces(arrangement, work, heights, result.rounding, context, relabelled);
+  if (!all_positive(work)) {
+    work = faces_of(arrangement, options.refinement, true, context);
+    round_faces(arrangement, work, heights, result.rounding, context, relabelled);
+  }
   context.progress("overlay", 0.9);
 
   // Only what has a surface is returned, its vertices renumbered in the order of the arrangement.

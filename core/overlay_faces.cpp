@@ -18,8 +18,8 @@ struct GroupedPiece {
 
 class FaceBuilder {
  public:
-  FaceBuilder(Arrangement& arrangement, Refinement refinement)
-      : arrangement_(arrangement), paste_(refinement == Refinement::paste),
+  FaceBuilder(const Arrangement& arrangement, Refinement refinement, bool exactly)
+      : arrangement_(arrangement), paste_(refinement == Refinement::paste), exactly_(exactly),
         faces_of_a_(arrangement.mesh(0).faces()), exterior_(faces_of_a_ + arrangement.mesh(1).faces()) {
     for (int m = 0; m < 2; ++m) rate_edges(m);
     place_points();
@@ -55,7 +55,9 @@ class FaceBuilder {
       out_.points.push_back(rounded(crossing_place(arrangement_, v)));
   }
 
-  bool significant(const Piece& p) const { return real_sides_[p.mesh][p.edge] > 0; }
+  bool significant(const Piece& p) const {
+    return real_sides_[p.mesh][p.edge] > 0 || (p.edge_of_b != none && real_sides_[1][p.edge_of_b] > 0);
+  }
 
   /// Is a vertex in the middle of a chain one of the result?
   bool kept(Index v) const {
@@ -66,7 +68,7 @@ class FaceBuilder {
     if (!paste_ || arrangement_.is_place_of(0, v)) return true;
     const Location& where = arrangement_.location(1, arrangement_.place(1, v));
     if (where.kind == Location::face) return !real(0, where.index);
-    return real_sides_[0][arrangement_.mesh(0).edge[where.index]] == 1;
+    return real_sides_[0][arrangement_.mesh(0).edge[where.index]] < 2;
   }
 
   void take(Region& region) {
@@ -148,7 +150,8 @@ class FaceBuilder {
       while (p.position != last && !kept(arrangement_.head(p))) p.position += p.direction == 0 ? 1 : -1;
       border_.push_back({from, arrangement_.head(p)});
     }
-    FilledRegion filled = fill_region(out_.points, border_);
+    FilledRegion filled;
+    if (!exactly_) filled = fill_region(out_.points, border_);
     if (!filled.sound)
       filled = fill_region_exactly(
           out_.points,
@@ -160,8 +163,8 @@ class FaceBuilder {
     for (const Face& f : filled.faces) emit(f[0], f[1], f[2]);
   }
 
-  Arrangement& arrangement_;
-  bool paste_;
+  const Arrangement& arrangement_;
+  bool paste_, exactly_;
   Index faces_of_a_, exterior_;
   std::vector<std::uint8_t> real_sides_[2];
   OverlayFaces out_;
@@ -180,8 +183,8 @@ ExactPlace crossing_place(const Arrangement& arrangement, Index vertex) {
   return {ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};
 }
 
-OverlayFaces faces_of(Arrangement& arrangement, Refinement refinement, Context& context) {
-  FaceBuilder builder(arrangement, refinement);
+OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, bool exactly, Context& context) {
+  FaceBuilder builder(arrangement, refinement, exactly);
   context.progress("overlay", 0.6);
   OverlayFaces faces = builder.build();
   context.progress("overlay", 0.8);

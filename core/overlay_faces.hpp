@@ -22,7 +22,9 @@ struct OverlayFaces {
 /// Regions inside both domains are triangulated as they are. Ghost edges are no edges of the result: what lies outside one
 /// domain is put together again per face of the other and triangulated as a polygon with holes; the exterior likewise.
 /// With Refinement::paste B leaves no trace inside A but its vertices on A's border.
-OverlayFaces faces_of(Arrangement& arrangement, Refinement refinement, Context& context);
+/// `exactly`: polygons are triangulated at the exact places of their vertices, which costs microseconds per vertex and is
+/// needed only where rounding did harm: on the doubles two polygons could then claim one diagonal.
+OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, bool exactly, Context& context);
 
 /// Where a crossing lies exactly.
 ExactPlace crossing_place(const Arrangement& arrangement, Index vertex);

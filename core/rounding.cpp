@@ -34,18 +34,19 @@ class Greedy {
          double bound)
       : mender_(mender), place_(place), distance_(distance), bound_(bound) {}
 
-  void run(const std::vector<Index>& bad) {
+  /// Returns the faces of the clusters it could not mend.
+  std::vector<Index> run(const std::vector<Index>& bad) {
     std::vector<bool> seen(mender_.mesh().faces.size());
+    std::vector<Index> left;
     for (Index f : bad) {
       if (seen[f] || !mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
       const std::vector<Index> cluster = collect(f, seen);
-      const std::size_t mark = mender_.mark();
-      const Index flips = mender_.flips;
-      if (!mend(cluster, mark)) {
-        mender_.undo(mark);
-        mender_.flips = flips;
-      }
+      const Mender::Mark mark = mender_.mark();
+      if (mend(cluster, mark)) continue;
+      mender_.undo(mark);
+      left.insert(left.end(), cluster.begin(), cluster.end());
     }
+    return left;
   }
 
  private:
@@ -61,14 +62,14 @@ class Greedy {
     return cluster;
   }
 
-  bool mend(std::vector<Index> todo, std::size_t mark) {
+  bool mend(std::vector<Index> todo, Mender::Mark mark) {
     std::size_t budget = 20 * todo.size() + 40;
     while (!todo.empty()) {
       if (budget-- == 0) return false;
       const Index f = todo.back();
       todo.pop_back();
       if (!mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
-      const std::size_t before = mender_.mark();
+      const Mender::Mark before = mender_.mark();
       if (!merge_equal(f) && !flip_middle(f)) return false;
       mender_.changed(before, todo);
     }
@@ -119,6 +120,20 @@ class Greedy {
   const std::function<double(Index, Point2)>& distance_;
   double bound_;
 };
+
+/// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all. Kinetic
+/// moves need the mesh as it was, since exact places are valid in that one only. Returns the vertices moved kinetically.
+Index mend(Mender& mender, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
+           const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
+  const std::vector<Index> hard = Greedy(mender, place, distance, bound).run(bad);
+  if (hard.empty()) return 0;
+  mender.undo({});
+  const Index moved = move_kinetically(mender, hard, place, context);
+  Greedy(mender, place, distance, bound).run(bad_faces(mender.mesh()));
+  if (bad_faces(mender.mesh()).empty()) return moved;
+  mender.undo({});
+  return move_kinetically(mender, bad, place, context);
+}
 
 }  // namespace
 
@@ -191,21 +206,19 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
   }
   Mender mender(mesh);
   const double bound = 3 * result.report.max_move;
-  std::vector<Index> bad = bad_faces(mesh);
+  const std::vector<Index> bad = bad_faces(mesh);
   if (!bad.empty()) {
-    Greedy(mender, place, distance, bound).run(bad);
-    bad = bad_faces(mesh);
-    if (!bad.empty()) result.report.kinetic = move_kinetically(mender, bad, place, context);
-    bad = bad_faces(mesh);
-    if (!bad.empty()) {
-      const Point2 at = mesh.points[mesh.faces[bad[0]][0]];
+    result.report.kinetic = mend(mender, bad, place, distance, bound, context);
+    if (const std::vector<Index> left = bad_faces(mesh); !left.empty()) {
+      const Point2 at = mesh.points[mesh.faces[left[0]][0]];
       throw Error(ErrorKind::input, "rounding",
                   "near " + std::to_string(at.x) + ", " + std::to_string(at.y) +
-                      " the surfaces come closer to each other than doubles can tell apart, and " + std::to_string(bad.size()) +
+                      " the surfaces come closer to each other than doubles can tell apart, and " +
+                      std::to_string(left.size()) +
                       " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
   }
-  mender.changed(0, result.relabelled);
+  mender.changed({}, result.relabelled);
   std::sort(result.relabelled.begin(), result.relabelled.end());
   result.relabelled.erase(std::unique(result.relabelled.begin(), result.relabelled.end()), result.relabelled.end());
   std::erase_if(result.relabelled, [&](Index f) { return !mender.alive(f); });
@@ -213,8 +226,8 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
     for (Index f : result.relabelled)
       for (Index v : mesh.faces[f])
         result.report.max_spill = std::max(result.report.max_spill, distance(mesh.labels[f], mesh.points[v]));
-  result.report.merges = mender.merges;
-  result.report.flips = mender.flips;
+  result.report.merges = mender.merges();
+  result.report.flips = mender.flips();
   result.merged_into = mender.merged_into();
   for (Index v = 0; v < static_cast<Index>(result.merged_into.size()); ++v)  // follow chains of merges to their end
     while (result.merged_into[v] != result.merged_into[result.merged_into[v]])
