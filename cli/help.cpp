@@ -81,8 +81,12 @@ std::string general_help() {
 
 std::string operation_help(const Operation& operation) {
   std::string text = "terrane " + operation.id;
-  for (const InputSlot& slot : operation.inputs)
-    text += (slot.min_occurs == 0 ? " [" + upper(slot.name) + "]" : " " + upper(slot.name)) + (slot.max_occurs == 0 ? "..." : "");
+  for (const InputSlot& slot : operation.inputs) {
+    text += slot.min_occurs == 0 ? " [" : " ";
+    text += upper(slot.name);
+    if (slot.min_occurs == 0) text += "]";
+    if (slot.max_occurs == 0) text += "...";
+  }
   const bool prints = operation.result == ResultKind::report || operation.result == ResultKind::table;
   text += prints ? " [--parameter VALUE]... [-o OUTPUT]\n\n" : " [--parameter VALUE]... -o OUTPUT\n\n";
   text += operation.description + "\n\nInputs (- reads standard input):\n";
