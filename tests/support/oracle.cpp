@@ -148,19 +148,20 @@ class Oracle {
   OracleCounts counts() const {
     OracleCounts counts;
     std::set<int> regions;
-    Number area = 0, overlap = 0;
+    // Summed as rationals: a lazy sum is as deep as it is long, and evaluating it would overflow the stack.
+    Kernel::Exact_kernel::FT area = 0, overlap = 0;
     for (auto f : triangulation_.finite_face_handles()) {
       const Mark& mark = f->info();
       if (mark.parents[0] == none && mark.parents[1] == none) continue;
       regions.insert(mark.region);
-      const Number a = CGAL::area(f->vertex(0)->point(), f->vertex(1)->point(), f->vertex(2)->point());
+      const auto a = CGAL::exact(CGAL::area(f->vertex(0)->point(), f->vertex(1)->point(), f->vertex(2)->point()));
       area += a;
       if (mark.parents[0] != none && mark.parents[1] != none) overlap += a;
     }
     counts.regions = regions.size();
     counts.vertices = triangulation_.number_of_vertices();
-    counts.area = nearest(area);
-    counts.overlap_area = nearest(overlap);
+    counts.area = nearest(Number(area));
+    counts.overlap_area = nearest(Number(overlap));
     return counts;
   }
 
