@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import unittest
 
-from service import TERRANE, File, Service
+from service import TERRANE, File, Service, in_background
 from terrains import UTM, ascii_grid, plan_area, read_obj, square_obj, square_tin
 
 WEST = square_obj(0, 0, 100, 10)
@@ -238,6 +238,21 @@ class Executions(unittest.TestCase):
         for part in (File("x", WEST, "model/obj"), File("west.obj", WEST), File("x", WEST)):
             answer = self.merged(part, File("east.obj", EAST))
             self.assertEqual(answer.status, 200, (part.name, part.media_type, answer.body))
+
+    def test_requests_side_by_side_do_not_disturb_each_other(self):
+        grid = File("dem.asc", ascii_grid(40, 40, lambda c, r: c * r % 17, 400000, 4600000))
+        query = "?f=obj&assume-crs=EPSG:25831&target-crs=EPSG:"
+
+        def transformed(code):
+            return service.post_form("transform", [("surface", grid)], query + code).body
+        codes = ["25830", "4326", "3857", "25831"] * 3
+        alone = {code: transformed(code) for code in set(codes)}
+        self.assertEqual(len(set(alone.values())), 4)
+        waiting = [(code, in_background(lambda code=code: transformed(code))) for code in codes]
+        # More than there are places at once: those that were refused say so.
+        for code, wait in waiting:
+            body = wait()
+            self.assertTrue(body == alone[code] or b"/problems/busy" in body, code)
 
     def test_connections_are_kept(self):
         connection = http.client.HTTPConnection(service.host, service.port, timeout=20)
