@@ -56,8 +56,8 @@ struct Overlay {
 ///  3. Vertex on vertex, vertex on edge, collinear overlaps and identical faces are cases, not accidents.
 ///  4. Vertices of A and B are returned bit for bit, except those of B snapped within `snap`. Every returned face is strictly
 ///     positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap of its parents.
-///  5. The same bytes for any order of faces and vertices in the inputs and any thread count.
-/// Precondition: both are valid (core/validate). Walls are looked through: a vertical face has no area in plan, and heights
+///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before canonical().
+/// Precondition: both are valid and in canonical order, as checked() returns them (core/validate). Walls are looked through: a vertical face has no area in plan, and heights
 /// are kept per corner where an input jumps. Time and memory grow with input + output.
 /// Throws Error{input, "rounding"} naming the place when the promise cannot be kept.
 /// See Jiao & Heath (2004) for the edge walk, and core/rounding.hpp.

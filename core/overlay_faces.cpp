@@ -180,7 +180,12 @@ ExactPlace crossing_place(const Arrangement& arrangement, Index vertex) {
   const Crossing& c = arrangement.crossing(vertex);
   const CompletedMesh &a = arrangement.mesh(0), &b = arrangement.mesh(1);
   const Index ha = a.half[c.edge[0]], hb = b.half[c.edge[1]];
-  return {ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};
+  ExactPlace place{ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};
+  // Which way an edge happens to be stored must not show in the last bit.
+  const auto after = [](Point2 p, Point2 q) { return p.x > q.x || (p.x == q.x && p.y > q.y); };
+  if (after(place.p, place.q)) std::swap(place.p, place.q);
+  if (after(place.r, place.s)) std::swap(place.r, place.s);
+  return place;
 }
 
 OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, bool exactly, Context& context) {
