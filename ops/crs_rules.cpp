@@ -31,6 +31,12 @@ std::string rule_for(const Surface& surface, const std::vector<CrsRule>& rules) 
   return own.empty() ? general : own;
 }
 
+/// What stands before the colon in INPUT:CRS to mean this surface alone.
+std::string address(const Surface& surface, const std::vector<const Surface*>& all) {
+  const auto same = std::count_if(all.begin(), all.end(), [&](const Surface* s) { return s->slot == surface.slot; });
+  return same > 1 ? surface.name : surface.slot;
+}
+
 std::string shown(const Crs& crs) {
   const std::string id = crs.id();
   return id.size() <= 40 && !id.empty() ? id : crs.name();
@@ -52,15 +58,15 @@ void check_magnitudes(const std::vector<const Surface*>& surfaces, bool refuse, 
       const std::string message = "input '" + s->name + "' is said to be in " + shown(s->crs) +
                                   " (degrees), but its coordinates go beyond 360 by 90";
       if (refuse)
-        throw Error(ErrorKind::input, "not-degrees", message + "; say which CRS it is in with crs=" + s->slot + ":CRS");
-      context.warn({"not-degrees", s->name, "", message, "say which CRS it is in with crs=" + s->slot + ":CRS"});
+        throw Error(ErrorKind::input, "not-degrees", message + "; say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS");
+      context.warn({"not-degrees", s->name, "", message, "say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS"});
     } else if (s->crs.known() && !s->crs.geographic() && !s->crs.local() && small) {
       const std::string message = "input '" + s->name + "' is said to be in " + shown(s->crs) + " (" +
                                   s->crs.length_unit() + "), but all its coordinates could be degrees";
       if (refuse && large)
         throw Error(ErrorKind::input, "degrees-as-metres",
-                    message + " while other inputs' could not; say crs=" + s->slot + ":EPSG:4326 if they are");
-      context.warn({"degrees-as-metres", s->name, "", message, "say crs=" + s->slot + ":EPSG:4326 if they are"});
+                    message + " while other inputs' could not; say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are");
+      context.warn({"degrees-as-metres", s->name, "", message, "say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are"});
     }
   }
 }
@@ -80,7 +86,15 @@ void check_vertical(const std::vector<const Surface*>& surfaces, const Crs& targ
     throw Error(ErrorKind::input, "vertical-datum",
                 "the inputs' heights refer to different vertical datums (" + *known.begin() + ", " + *known.rbegin() +
                     "); name one for the result, as in target-crs=EPSG:25831+5773");
-  if (surfaces.size() > 1 && unknown && known.empty())
+  if (settled && unknown)
+    context.warn({"heights-unshifted", unknown->name, "",
+                  "input '" + unknown->name + "' does not say to which vertical datum its heights refer; they were not "
+                  "shifted to " + target.vertical_datum(), "name it, as in crs=EPSG:25831+5773"});
+  else if (target.known() && !settled && !known.empty())
+    context.warn({"heights-unshifted", "", "",
+                  "heights still refer to " + *known.begin() + ", which target-crs does not say",
+                  "name it there, as in target-crs=EPSG:25831+5773"});
+  else if (surfaces.size() > 1 && unknown && known.empty())
     context.warn({"vertical-datum-unknown", "", "", "no input says to which vertical datum its heights refer; they are "
                   "taken to be the same", "name it, as in crs=EPSG:25831+5773"});
 }
@@ -162,7 +176,7 @@ Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& 
     throw Error(ErrorKind::input, "missing-crs",
                 "input '" + unknown.front()->name + "' does not say in which CRS it is, others do ('" +
                     known.front()->name + "' is in " + shown(known.front()->crs) + "); say it with assume-crs=" +
-                    unknown.front()->slot + ":CRS, or assume-crs=" + shown(known.front()->crs));
+                    address(*unknown.front(), unknown) + ":CRS, or assume-crs=" + shown(known.front()->crs));
   check_magnitudes(known, plan.operation->intake.check, context);
   const Crs chosen = target.empty() ? most_telling(known) : Crs::parse(target);
   if (plan.operation->intake.check) check_vertical(known, target.empty() ? Crs() : chosen, context);

@@ -91,6 +91,15 @@ std::string extension_of(const std::string& word) {
   return format && word != "json" ? format->extensions.front() : "." + word;
 }
 
+/// Rasters that were joined have no seam between them; the seam report says so.
+void name_joined(const Frame& frame, Outcome& outcome) {
+  if (!outcome.certificate.contains("seams")) return;
+  nlohmann::json joined = nlohmann::json::array();
+  for (const InputRecord& r : frame.inputs)
+    if (!r.joined.empty() && std::find(joined.begin(), joined.end(), r.joined) == joined.end()) joined.push_back(r.joined);
+  outcome.certificate["seams"]["joined"] = joined;
+}
+
 /// The part of a certificate that a report or a picture can have.
 nlohmann::json report_certificate(const Plan& plan, const Frame& frame, const Context& context) {
   return {{"type", "Certificate"},
@@ -124,6 +133,7 @@ Response execute(const Plan& plan, Context& context) {
     if (outcome.verify) refuse_unsound(seen, plan.operation->id);
     const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
     const HeightCheck heights = check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
+    name_joined(frame, outcome);
     response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
     response.body = encode(plan, frame, *tin, response.report, context);
   } else if (const Picture* picture = std::get_if<Picture>(&outcome.result)) {

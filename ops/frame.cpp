@@ -104,6 +104,21 @@ void warn_half_known_datum(const std::vector<Surface>& surfaces, Context& contex
                 "name it, as in crs=" + unknown->slot + ":EPSG:25831+5773"});
 }
 
+/// Lengths and areas of a projected CRS far from where it is meant for.
+void warn_distorted(const std::vector<Surface>& surfaces, const Crs& crs, Context& context) {
+  if (!crs.known() || crs.geographic() || crs.local()) return;
+  for (const Surface& s : surfaces) {
+    const Box box = box_of(s);
+    if (s.level() || !(box.xmin <= box.xmax)) continue;
+    const double scale = scale_factor(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
+    if (std::fabs(scale - 1) <= 0.05) continue;
+    context.warn({"scale-distorted", s.name, "",
+                  "lengths in " + crs.name() + " are " + nlohmann::json(scale).dump() + " times those on the ground at '" +
+                      s.name + "'", "choose a target-crs that suits the place"});
+    return;
+  }
+}
+
 DemOptions dem_options(const Plan& plan, const Crs& crs) {
   DemOptions options;
   options.max_error = Length::of(plan.parameters.at("max-error")).in(crs.known() ? crs.metres_per_height_unit() : 1.0);
@@ -165,7 +180,10 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
         record.area_2d = domain_area(s.tin(), frame.crs);
       }
   }
-  if (operation.intake.check) warn_half_known_datum(surfaces, context);
+  if (operation.intake.check) {
+    warn_half_known_datum(surfaces, context);
+    warn_distorted(surfaces, frame.crs, context);
+  }
   for (Surface& s : surfaces) s.crs = frame.crs;
   if (!moved.from.empty()) {
     if (operation.intake.check) unwrap(surfaces);

@@ -24,6 +24,7 @@ struct Frame {
   Crs crs;                           // of the result; unknown when no input has one
   std::vector<InputRecord> inputs;   // in the order given
   nlohmann::json reprojection;       // null when nothing was transformed
+
 };
 
 /// Brings the surfaces into one frame: CRS rules, unwrapping, rasters joined and triangulated, everything checked.

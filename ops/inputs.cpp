@@ -28,7 +28,9 @@ std::string no_overlap(const Surface& a, const Surface& b) {
   if (a.level() || b.level() || a.tin().vertices.empty() || b.tin().vertices.empty()) return message;
   char text[64];
   const bool degrees = a.crs.known() && a.crs.geographic();
-  std::snprintf(text, sizeof text, "%.4g %s", apart(a, b), degrees || !a.crs.known() ? "m" : a.crs.length_unit().c_str());
+  const double gap = apart(a, b);
+  std::snprintf(text, sizeof text, gap < 1000 ? "%.4g %s" : "%.0f %s", gap,
+                degrees || !a.crs.known() ? "m" : a.crs.length_unit().c_str());
   return message + ": they are about " + text + " apart";
 }
 
@@ -51,8 +53,8 @@ Surface& input(std::vector<Surface>& inputs, std::string_view slot) {
   return *found;
 }
 
-void refuse_no_overlap(const Surface& a, const Surface& b) {
-  throw Error(ErrorKind::input, "no-overlap", no_overlap(a, b) + "; check their CRSs, or say allow-empty=true");
+void refuse_no_overlap(const Surface& a, const Surface& b, const std::string& remedy) {
+  throw Error(ErrorKind::input, "no-overlap", no_overlap(a, b) + "; check their CRSs, or say " + remedy);
 }
 
 void warn_no_overlap(const Surface& a, const Surface& b, Context& context) {

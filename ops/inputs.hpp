@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +16,7 @@ Surface* find_input(std::vector<Surface>& inputs, std::string_view slot);
 Surface& input(std::vector<Surface>& inputs, std::string_view slot);
 
 /// Throws Error{input, "no-overlap"} saying how far apart the two are.
-[[noreturn]] void refuse_no_overlap(const Surface& a, const Surface& b);
+[[noreturn]] void refuse_no_overlap(const Surface& a, const Surface& b, const std::string& remedy = "allow-empty=true");
 /// The same as a warning, for `allow-empty`.
 void warn_no_overlap(const Surface& a, const Surface& b, Context& context);
 

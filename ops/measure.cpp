@@ -2,6 +2,7 @@
 #include "ops/measure.hpp"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -20,6 +21,13 @@ Point2 metres_per_degree(double latitude) {
   return {a / w * std::cos(latitude * degree) * degree, a * (1 - e2) / (w * w * w) * degree};
 }
 
+/// Coordinates that are said to be degrees and cannot be: no figure on the ground can be made of them.
+bool impossible(const Tin& tin, const Crs& crs) {
+  if (!crs.known() || !crs.geographic() || tin.vertices.empty()) return false;
+  const Box box = bounds(tin);
+  return !(box.ymin >= -90 && box.ymax <= 90);
+}
+
 }  // namespace
 
 Units units_of(const Crs& crs) {
@@ -32,6 +40,7 @@ Units units_of(const Crs& crs) {
 }
 
 double domain_area(const Tin& tin, const Crs& crs) {
+  if (impossible(tin, crs)) return std::numeric_limits<double>::quiet_NaN();
   if (crs.known() && crs.geographic()) return area(tin, ellipsoidal_area_scale(crs));
   return area(tin, nullptr) * units_of(crs).area_factor;
 }
@@ -46,6 +55,7 @@ Outline outline(const Tin& tin, const Crs& crs) {
   const PlanTopology topology = plan_topology(tin);
   Outline result;
   result.edges = topology.border.size();
+  if (impossible(tin, crs)) result.length = std::numeric_limits<double>::quiet_NaN();
   // Loops are followed place by place; where borders touch in a point they are taken as they come.
   std::multimap<Index, Index> leaving;
   for (Index h : topology.border) {
@@ -81,6 +91,7 @@ double steepness(const Point& a, const Point& b, const Point& c, const Crs& crs)
 }
 
 double surface_area(const Tin& tin, const Crs& crs) {
+  if (impossible(tin, crs)) return std::numeric_limits<double>::quiet_NaN();
   const bool geographic = crs.known() && crs.geographic();
   const AreaScale scale = geographic ? ellipsoidal_area_scale(crs) : AreaScale{};
   double sum = 0, lost = 0;  // compensated

@@ -43,7 +43,7 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   }
   warn_feet_beside_metres(a, b, context);
   Assembled sum = combine(a.tin(), b.tin(), +1, p.outside, {p.seam, 0}, context);
-  if (sum.tin.faces.empty()) refuse_no_overlap(a, b);
+  if (sum.tin.faces.empty()) refuse_no_overlap(a, b, "outside=keep");
 
   // The overlap, measured on its own, is what the sum's area is held against.
   Merged measured = merge({a.tin(), b.tin()}, {Overlap::first, {Seam::split, 0}}, context);

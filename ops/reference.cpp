@@ -18,14 +18,15 @@ std::string type_word(const Parameter& p) {
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
   const auto number = [](double v) { return v == static_cast<long>(v) ? std::to_string(static_cast<long>(v)) : nlohmann::json(v).dump(); };
-  if (p.minimum) text += ", from " + number(*p.minimum);
-  if (p.maximum) text += " up to " + number(*p.maximum);
+  if (p.minimum) text.append(", from ").append(number(*p.minimum));
+  if (p.maximum) text.append(" up to ").append(number(*p.maximum));
   return text;
 }
 
 std::string default_word(const Parameter& p) {
   if (p.default_value.is_null()) return "–";
-  return "`" + (p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()) + "`";
+  std::string text = "`";
+  return text.append(p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()).append("`");
 }
 
 std::string parameter_table(const std::vector<Parameter>& parameters) {

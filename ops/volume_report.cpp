@@ -135,19 +135,21 @@ std::string VolumeReport::csv() const {
     for (const char* figure : {"volume", "area_2d", "area_3d", "max_dz"}) table += "," + side + "_" + figure;
   table += ",same_area_2d,same_area_3d,net_volume,adjusted_net_volume,ellipsoidal_" + down + "_volume,ellipsoidal_" + up +
            "_volume,ellipsoidal_net_volume,combined_scale_factor,overlap_area_2d,surface_only_area_2d,reference_only_area_2d\n";
+  const auto cell = [&](double figure) { table.append(",").append(text(figure)); };
   for (const Row& row : rows_) {
     const Volume& v = row.grid;
-    table += "," + (row.level ? text(*row.level) : "");
+    table.append(",").append(row.level ? text(*row.level) : "");
     for (const VolumeSide& s : {v.fill, v.cut})
-      for (double figure : {s.volume, s.area_2d, s.area_3d, s.max_dz}) table += "," + text(figure);
-    table += "," + text(v.same_area_2d) + "," + text(v.same_area_3d) + "," + text(v.net) + "," +
-             text(v.fill.volume * options_.fill_factor - v.cut.volume * options_.cut_factor);
+      for (double figure : {s.volume, s.area_2d, s.area_3d, s.max_dz}) cell(figure);
+    for (double figure : {v.same_area_2d, v.same_area_3d, v.net,
+                          v.fill.volume * options_.fill_factor - v.cut.volume * options_.cut_factor})
+      cell(figure);
     if (row.ellipsoidal)
-      table += "," + text(row.ellipsoidal->cut.volume) + "," + text(row.ellipsoidal->fill.volume) + "," + text(row.ellipsoidal->net);
+      for (double figure : {row.ellipsoidal->cut.volume, row.ellipsoidal->fill.volume, row.ellipsoidal->net}) cell(figure);
     else
       table += ",,,";
     for (double figure : {row.scale_factor, v.overlap_area_2d, v.surface_only_area_2d, v.reference_only_area_2d})
-      table += "," + text(figure);
+      cell(figure);
     table += "\n";
   }
   return table;

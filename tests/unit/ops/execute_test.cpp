@@ -180,6 +180,12 @@ TEST(Execute, VerticalDatums) {
   EXPECT_TRUE(warned(run({"subtract", {part("minuend", a), part("subtrahend", b)}}), "vertical-datum-unknown"));
 }
 
+TEST(Execute, HeightsAreNeverSilentlyUnshifted) {
+  const std::string known = square(470000, 4380000, 100, 5, 0, "EPSG:25831+5773");
+  EXPECT_TRUE(warned(run({"transform", {part("surface", known)}, {{"target-crs", "EPSG:4326"}}}), "heights-unshifted"));
+  EXPECT_TRUE(warned(run({"transform", {part("surface", a)}, {{"target-crs", "EPSG:25831+5773"}}}), "heights-unshifted"));
+}
+
 TEST(Execute, TilesOnBothCountsOfLongitudeLieBesideEachOther) {
   const std::string west = square(359, 40, 1, 1, 0, "EPSG:4326"), east = square(0, 40, 1, 1, 0, "EPSG:4326");
   const Response r = run({"merge", {part("tiles", west, "w.json"), part("tiles", east, "e.json")}});
@@ -230,6 +236,7 @@ TEST(Execute, RastersOnOneLatticeLeaveNoSlit) {
   EXPECT_EQ(r.report["output"]["components"], 1);
   EXPECT_DOUBLE_EQ(r.report["output"]["area_2d"].get<double>(), 10);
   EXPECT_EQ(r.report["inputs"][1]["joined"], "w.asc + e.asc");
+  EXPECT_EQ(r.report["seams"]["joined"], nlohmann::json({"w.asc + e.asc"}));
 }
 
 TEST(Execute, BadNumbersAndIndicesAreNeverRepaired) {
