@@ -35,9 +35,14 @@ class BorderRings {
  public:
   BorderRings(const Tin& tin, const PlanTopology& topology, const std::vector<Index>& component)
       : tin_(tin), topology_(topology), component_(component) {
-    for (std::size_t i = 0; i < topology.border.size(); ++i)
-      leaving_.push_back({from(topology.border[i]), static_cast<Index>(i)});
-    std::sort(leaving_.begin(), leaving_.end());
+    for (Index i = 0; i < static_cast<Index>(topology.border.size()); ++i) {
+      const Index h = topology.border[i];
+      leaving_.push_back({from(h), component[h / 3], to(h), i});
+    }
+    std::sort(leaving_.begin(), leaving_.end(), [&](const Leaving& p, const Leaving& q) {
+      if (p.key() != q.key()) return p.key() < q.key();
+      return before(at(p.place), at(p.towards), at(q.towards));
+    });
   }
 
   std::size_t count() const {
@@ -55,31 +60,38 @@ class BorderRings {
   Index to(Index h) const { return topology_.place[topology_.to(tin_, h)]; }
   Point2 at(Index place) const { return plan(tin_.vertices[place]); }
 
+  /// A border edge that leaves a place; those of one component at one place stand counter-clockwise.
+  struct Leaving {
+    Index place, component, towards, edge;
+    std::pair<Index, Index> key() const { return {place, component}; }
+  };
+
   /// Of the border edges that leave where edge i arrives: the first one counter-clockwise, on the far side of the void.
   Index next(Index i) const {
     const Index h = topology_.border[i], here = to(h);
-    Index best = none;
-    for (auto out = std::lower_bound(leaving_.begin(), leaving_.end(), std::pair(here, Index{0}));
-         out != leaving_.end() && out->first == here; ++out) {
-      const Index other = topology_.border[out->second];
-      if (component_[other / 3] != component_[h / 3]) continue;
-      if (best == none || sooner(at(here), at(from(h)), at(to(other)), at(to(topology_.border[best]))))
-        best = out->second;
-    }
-    return best;
+    const std::pair<Index, Index> key = {here, component_[h / 3]};
+    const auto first =
+        std::partition_point(leaving_.begin(), leaving_.end(), [&](const Leaving& l) { return l.key() < key; });
+    if (first == leaving_.end() || first->key() != key) return none;
+    auto last = first + 1;
+    if (last == leaving_.end() || last->key() != key) return first->edge;
+    last = std::partition_point(last, leaving_.end(), [&](const Leaving& l) { return l.key() == key; });
+    const Point2 o = at(here), back = at(from(h));
+    const auto out =
+        std::partition_point(first, last, [&](const Leaving& l) { return !before(o, back, at(l.towards)); });
+    return out == last ? first->edge : out->edge;
   }
 
-  /// Does the ray from o through p come before the one through q, counter-clockwise from the ray through back?
-  static bool sooner(Point2 o, Point2 back, Point2 p, Point2 q) {
-    const bool beyond_p = orientation(o, back, p) < 0,
-               beyond_q = orientation(o, back, q) < 0;  // more than half a turn away
-    return beyond_p != beyond_q ? beyond_q : orientation(o, p, q) > 0;
+  /// Does the ray from o through p come before the one through q, counter-clockwise from due east?
+  static bool before(Point2 o, Point2 p, Point2 q) {
+    const auto upper = [&](Point2 r) { return r.y > o.y || (r.y == o.y && r.x > o.x); };
+    return upper(p) != upper(q) ? upper(p) : orientation(o, p, q) > 0;
   }
 
   const Tin& tin_;
   const PlanTopology& topology_;
   const std::vector<Index>& component_;
-  std::vector<std::pair<Index, Index>> leaving_;  // (place, which border edge leaves it)
+  std::vector<Leaving> leaving_;
 };
 
 void measure(const Tin& tin, const PlanTopology& topology, Inspection& result) {

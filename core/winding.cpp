@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "core/predicates.hpp"
@@ -53,7 +54,15 @@ class Border {
   void insert_edges(BorderReport& report, std::size_t limit);
   void note_crossing(Index h, BorderReport& report, std::size_t limit) const;
   void trace_edges(BorderReport& report);
-  std::pair<Triangle, int> first_piece(Vertex a, Vertex b) const;
+  /// A directed constrained edge of the triangulation, by the numbers of its ends in used_.
+  struct Piece {
+    Index from, to;
+    Triangle left;  // the triangle on its left, and the corner opposite the edge there
+    int opposite;
+    std::pair<Index, Index> ends() const { return {from, to}; }
+  };
+  void list_pieces();
+  const Piece* first_piece(Index a, Index b) const;
   void wind();
   void collect_doubled(BorderReport& report, std::size_t limit);
 
@@ -62,6 +71,7 @@ class Border {
   std::vector<Index> used_;       // the places on the border, sorted
   std::vector<Vertex> vertices_;  // beside used_
   Triangulation cdt_;
+  std::vector<Piece> pieces_;     // by their ends
 };
 
 void Border::insert_places() {
@@ -78,9 +88,18 @@ void Border::insert_places() {
 }
 
 void Border::insert_edges(BorderReport& report, std::size_t limit) {
-  for (const Index h : topology_.border) {
+  // CGAL looks at every neighbour of the vertex that a constraint starts from: at a hub that would be quadratic.
+  std::vector<Index> degree(used_.size(), 0);
+  for (const Index h : topology_.border) ++degree[vertex(from(h))->info()], ++degree[vertex(to(h))->info()];
+  // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown (2015).
+  std::vector<Index> order = topology_.border;
+  std::mt19937 random;
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+  for (const Index h : order) {
+    Vertex a = vertex(from(h)), b = vertex(to(h));
+    if (degree[a->info()] > degree[b->info()]) std::swap(a, b);
     try {
-      cdt_.insert_constraint(vertex(from(h)), vertex(to(h)));
+      cdt_.insert_constraint(a, b);
     } catch (const Triangulation::Intersection_of_constraints_exception&) {  // thrown before anything is changed
       ++report.crossings;
       note_crossing(h, report, limit);
@@ -92,43 +111,52 @@ void Border::note_crossing(Index h, BorderReport& report, std::size_t limit) con
   const Point2 a = at(from(h)), b = at(to(h));
   for (const Index other : topology_.border) {
     if (report.crossing.size() >= limit) return;
-    if (other >= h) return;  // only edges inserted before can have stopped this one
     const Point2 p = at(from(other)), q = at(to(other));
     if (orientation(a, b, p) * orientation(a, b, q) < 0 && orientation(p, q, a) * orientation(p, q, b) < 0)
       report.crossing.push_back({other, h});
   }
 }
 
-/// The edge of the triangulation that leaves a straight towards b, as (the triangle on its left, the corner opposite).
-std::pair<Triangle, int> Border::first_piece(Vertex a, Vertex b) const {
-  auto around = cdt_.incident_faces(a), end = around;
-  do {
-    const Triangle triangle = around;
-    const int i = triangle->index(a);
-    const Vertex c = triangle->vertex(Triangulation::ccw(i));  // a -> c has this triangle on its left
-    if (cdt_.is_infinite(c)) continue;
-    const int opposite = Triangulation::cw(i);
-    if (c == b) return {triangle, opposite};
-    if (!triangle->is_constrained(opposite)) continue;
-    const Point2 p = at(used_[a->info()]), q = at(used_[b->info()]), r = at(used_[c->info()]);
-    const bool forward = p.x != q.x ? (r.x > p.x) == (q.x > p.x) : (r.y > p.y) == (q.y > p.y);
-    if (forward && orientation(p, q, r) == 0) return {triangle, opposite};
-  } while (++around != end);
-  return {Triangle(), 0};
+void Border::list_pieces() {
+  for (auto edge = cdt_.constrained_edges_begin(); edge != cdt_.constrained_edges_end(); ++edge) {
+    const auto& [triangle, i] = *edge;
+    const Index a = triangle->vertex(Triangulation::ccw(i))->info(), b = triangle->vertex(Triangulation::cw(i))->info();
+    pieces_.push_back({a, b, triangle, i});
+    pieces_.push_back({b, a, triangle->neighbor(i), triangle->neighbor(i)->index(triangle)});
+  }
+  std::sort(pieces_.begin(), pieces_.end(), [](const Piece& p, const Piece& q) { return p.ends() < q.ends(); });
+}
+
+/// The constrained edge that leaves a straight towards b.
+const Border::Piece* Border::first_piece(Index a, Index b) const {
+  const auto from_a = [&](Index to) {
+    const std::pair<Index, Index> ends = {a, to};
+    return std::partition_point(pieces_.begin(), pieces_.end(), [&](const Piece& p) { return p.ends() < ends; });
+  };
+  const auto whole = from_a(b);
+  if (whole != pieces_.end() && whole->ends() == std::pair(a, b)) return &*whole;
+  const Point2 p = at(used_[a]), q = at(used_[b]);
+  for (auto piece = from_a(0); piece != pieces_.end() && piece->from == a; ++piece) {
+    const Point2 r = at(used_[piece->to]);
+    const bool forward =
+        p.x != q.x ? (r.x > p.x) == (q.x > p.x) && r.x != p.x : (r.y > p.y) == (q.y > p.y) && r.y != p.y;
+    if (forward && orientation(p, q, r) == 0) return &*piece;
+  }
+  return nullptr;
 }
 
 /// Adds the flux of every border half-edge to the pieces it is made of, and notes the places between them.
 void Border::trace_edges(BorderReport& report) {
   for (const Index h : topology_.border) {
-    const Vertex last = vertex(to(h));
-    for (Vertex v = vertex(from(h)); v != last;) {
-      const auto [left, i] = first_piece(v, last);
-      if (left == Triangle()) break;  // crosses another edge and was not inserted
-      const Triangle right = left->neighbor(i);
-      ++left->info().flux[i];
-      --right->info().flux[right->index(left)];
-      v = left->vertex(Triangulation::cw(i));
-      if (v != last) report.touches.push_back({h, used_[v->info()]});
+    const Index last = vertex(to(h))->info();
+    for (Index v = vertex(from(h))->info(); v != last;) {
+      const Piece* piece = first_piece(v, last);
+      if (!piece) break;  // crosses another edge and was not inserted
+      const Triangle right = piece->left->neighbor(piece->opposite);
+      ++piece->left->info().flux[piece->opposite];
+      --right->info().flux[right->index(piece->left)];
+      v = piece->to;
+      if (v != last) report.touches.push_back({h, used_[v]});
     }
   }
 }
@@ -177,6 +205,7 @@ BorderReport Border::examine(std::size_t limit) {
   insert_places();
   if (cdt_.dimension() < 2) return report;
   insert_edges(report, limit);
+  list_pieces();
   trace_edges(report);
   if (report.crossings > 0) return report;
   wind();
