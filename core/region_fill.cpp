@@ -47,6 +47,7 @@ struct Filler {
     for (Index v : used) points.emplace_back(point_of(v), v);
     triangulation.insert(points.begin(), points.end());
     if (triangulation.number_of_vertices() != used.size()) return false;  // two at one place
+    if (triangulation.dimension() < 2) return false;                      // rounded onto one line
     handles.reserve(used.size());
     for (auto v = triangulation.finite_vertices_begin(); v != triangulation.finite_vertices_end(); ++v)
       handles[v->info()] = v;
