@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The image and the service in real containers: build, run without rights, out of memory, clean stop, and the integration
-# test from a second container. Starts an engine of its own and removes it; where none can run it says so and skips.
+# The image and the service in real containers: build, run without rights, out of memory, clean stop, and the
+# integration test from a second container. Starts an engine of its own and removes it; skips visibly where none can run.
 #   docker/containers.sh            KEEP_LOGS=FOLDER keeps the logs of engine and build
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -44,22 +44,28 @@ engine_base_image || { fail "the base image cannot be made"; exit 1; }
 say "base image debian:bookworm-slim, $(($(inspect debian:bookworm-slim '{{.Size}}') / 1000000)) MB"
 
 build_begin=$SECONDS
-if ! nice "$docker" build --progress plain -f "$here/Dockerfile" --build-arg JOBS="${JOBS:-2}" -t terrane "$root" > "$work/build.log" 2>&1; then
+build=("$docker" build --progress plain -f "$here/Dockerfile" --build-arg "JOBS=${JOBS:-2}" -t terrane "$root")
+if ! nice "${build[@]}" > "$work/build.log" 2>&1; then
   tail -40 "$work/build.log"
   fail "the image does not build"
   exit 1
 fi
 say "image built in $((SECONDS - build_begin)) s: $(($(inspect terrane '{{.Size}}') / 1000000)) MB"
 expect "user of the image" terrane "$(inspect terrane '{{.Config.User}}')"
-expect "compilers in the image" none "$("$docker" run --rm --entrypoint sh terrane -c 'command -v g++ cc1plus cmake ld || echo none')"
+compilers=$("$docker" run --rm --entrypoint sh terrane -c 'command -v g++ gcc cmake ld || echo none')
+expect "compilers in the image" none "$compilers"
 
 # Without rights, with a root that cannot be written.
 "$docker" run -d --name hard "${hardened[@]}" --memory 1g -p 127.0.0.1::8080 terrane >/dev/null
-if wait_until 30 hard '{{.State.Health.Status}}' healthy; then pass "healthy with a read-only root, no capabilities, not root"; else
-  fail "not healthy: $(inspect hard '{{.State.Status}}'), $("$docker" logs hard 2>&1 | tail -3)"; fi
+if wait_until 30 hard '{{.State.Health.Status}}' healthy; then
+  pass "healthy with a read-only root, no capabilities, not root"
+else
+  fail "not healthy: $(inspect hard '{{.State.Status}}'), $("$docker" logs hard 2>&1 | tail -3)"
+fi
 expect "uid in the container" 10001 "$("$docker" exec hard id -u)"
-"$docker" exec hard sh -c 'touch /usr/x 2>/dev/null' && fail "the root can be written" || pass "the root cannot be written"
-"$docker" exec hard sh -c 'touch /var/lib/terrane/x' && pass "the data volume can be written" || fail "the data volume cannot be written"
+writable() { "$docker" exec hard sh -c "touch $1/x 2>/dev/null && echo yes || echo no"; }
+expect "the root can be written" no "$(writable /usr)"
+expect "the data volume can be written" yes "$(writable /var/lib/terrane)"
 address=http://$("$docker" port hard 8080/tcp | head -1)
 expect "health from outside" 200 "$(curl -s -o /dev/null -w '%{http_code}' "$address/health")"
 stop_begin=$(date +%s%N)
@@ -73,22 +79,24 @@ expect "exit code after SIGTERM" 0 "$(inspect hard '{{.State.ExitCode}}')"
 "$docker" run -d --name small "${hardened[@]}" --memory 96m --memory-swap 96m -p 127.0.0.1::8080 terrane >/dev/null
 wait_until 30 small '{{.State.Health.Status}}' healthy || fail "not healthy within 96 MB"
 address=http://$("$docker" port small 8080/tcp | head -1)
-head -c 400000000 /dev/zero | curl -s -o /dev/null -m 60 -F 'tiles=@-;filename=big.obj' "$address/processes/merge/execution"
+head -c 400000000 /dev/zero |
+  curl -s -o /dev/null -m 60 -F 'tiles=@-;filename=big.obj' "$address/processes/merge/execution"
 wait_until 20 small '{{.State.Running}}' false
 expect "more memory than allowed: killed by the kernel" true "$(inspect small '{{.State.OOMKilled}}')"
 "$docker" rm -vf small >/dev/null
 
 # Two containers: the service, and one that merges tiles through it.
 compose_begin=$SECONDS
-(cd "$root" && TERRANE_PORT=$((20000 + RANDOM % 20000)) "$compose" -p terrane-test -f docker/compose.yaml -f docker/compose.test.yaml \
-  up --no-build --exit-code-from test --abort-on-container-exit) > "$work/compose.log" 2>&1
+export TERRANE_PORT=$((20000 + RANDOM % 20000))
+together=("$compose" --ansi never -p terrane-test -f "$here/compose.yaml" -f "$here/compose.test.yaml")
+"${together[@]}" up --no-build --exit-code-from test --abort-on-container-exit > "$work/compose.log" 2>&1
 code=$?
-grep -aE 'test_1.*(ok|FAIL|passed)' "$work/compose.log" | sed 's/^/       /'
+grep -aE 'test_1.*(ok|FAIL|passed)' "$work/compose.log" | sed 's/^test_1 *| */       /'
 if [ $code = 0 ]; then pass "integration test from a second container, $((SECONDS - compose_begin)) s"; else
   tail -20 "$work/compose.log"
   fail "integration test: exit code $code"
 fi
-(cd "$root" && "$compose" -p terrane-test -f docker/compose.yaml -f docker/compose.test.yaml down -v) >/dev/null 2>&1
+"${together[@]}" down -v >/dev/null 2>&1
 
 [ $failures = 0 ] && say "containers: all passed" || say "containers: $failures failed"
 exit $((failures > 0))

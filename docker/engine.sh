@@ -29,9 +29,11 @@ engine_start() {
   mkdir -p "$engine_work/engine"
   engine_forward=$(cat /proc/sys/net/ipv4/ip_forward)
   iptables-save > "$engine_work/iptables" 2>/dev/null || { engine_reason="iptables is not usable here"; return 1; }
-  engine_netns_before=$(ls /run/docker/netns 2>/dev/null)
-  ip link add "$bridge" type bridge 2>/dev/null && ip addr add 172.30.0.1/24 dev "$bridge" && ip link set "$bridge" up ||
-    { engine_reason="no network bridge can be made here"; return 1; }
+  if ! { ip link add "$bridge" type bridge 2>/dev/null && ip addr add 172.30.0.1/24 dev "$bridge" &&
+    ip link set "$bridge" up; }; then
+    engine_reason="no network bridge can be made here"
+    return 1
+  fi
   dockerd --data-root "$engine_work/engine/root" --exec-root "$engine_work/engine/exec" \
     -H "unix://$engine_work/engine/d.sock" -p "$engine_work/engine/d.pid" --bridge "$bridge" \
     > "$engine_work/engine.log" 2>&1 &
@@ -76,7 +78,7 @@ engine_stop() {
 engine_base_image() {
   local root=$engine_work/base mirror sources=/etc/apt/sources.list.d/debian.sources
   mirror=$(sed -n 's/^URIs: *//p' "$sources" 2>/dev/null | head -1)
-  [ -n "$mirror" ] || mirror=$(grep -m1 -oE '^deb .*https?://[^ ]+' /etc/apt/sources.list 2>/dev/null | grep -oE 'http.*')
+  [ -n "$mirror" ] || mirror=$(grep -m1 -oE '^deb .*https?://[^ ]+' /etc/apt/sources.list | grep -oE 'http.*')
   debootstrap --variant=minbase --include=ca-certificates bookworm "$root" "${mirror:-http://deb.debian.org/debian}" \
     > "$engine_work/debootstrap.log" 2>&1 || { tail -5 "$engine_work/debootstrap.log"; return 1; }
   if [ -f "$sources" ]; then

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Run in a container beside the service: makes four overlapping tiles of one surface, merges them over HTTP, and compares
-# with the command line of the same image and with what the surface must be. Usage: integration_test.sh http://HOST:PORT
+# Run in a container beside the service: makes four overlapping tiles of one surface, merges them over HTTP, and
+# compares with the command line of the same image and with what the surface must be.
+#   integration_test.sh http://HOST:PORT
 set -u
 base=$1
 cd "$(mktemp -d)" || exit 1
@@ -14,7 +15,10 @@ check() { # check WHAT WANTED GOT
 tile() { # tile NAME COLUMN ROW, of the window's lower left sample
   awk -v c0="$2" -v r0="$3" 'BEGIN {
     printf "ncols 13\nnrows 13\nxllcenter %d\nyllcenter %d\ncellsize 10\nNODATA_value -9999\n", c0 * 10, r0 * 10
-    for (r = 12; r >= 0; --r) { for (c = 0; c < 13; ++c) printf "%d ", (c0 + c) * 10 + 20 * (r0 + r); print "" } }' > "$1.asc"
+    for (r = 12; r >= 0; --r) {
+      for (c = 0; c < 13; ++c) printf "%d ", (c0 + c) * 10 + 20 * (r0 + r)
+      print ""
+    } }' > "$1.asc"
 }
 tile sw 0 0; tile se 8 0; tile nw 0 8; tile ne 8 8
 
@@ -38,14 +42,16 @@ for count in inverted degenerate t_junctions non_manifold_edges; do
   check "$count" 0 "$(sed -n "s/.*\"$count\": *\([0-9]*\).*/\1/p" report.json | head -1)"
 done
 # 200 m x 200 m; every vertex on the plane.
-check "area of the result" 40000 "$(awk '/"output"/ {inside = 1} inside && /"area_2d"/ {gsub(/[^0-9.e+-]/, "", $2); printf "%.6g", $2; exit}' report.json)"
+area=$(awk '/"output"/ {inside = 1} inside && /"area_2d"/ {gsub(/[^0-9.e+-]/, "", $2); printf "%.6g", $2; exit}' \
+  report.json)
+check "area of the result" 40000 "$area"
 check "vertices off the surface" 0 "$(awk '$1 == "v" && $4 != $2 + 2 * $3 {++n} END {print n + 0}' http.obj)"
 check "surface minus itself" 200 "$(curl -sS -o zero.obj -w '%{http_code}' -F minuend=@http.obj -F subtrahend=@sw.asc \
   "$base/processes/subtract/execution?f=obj&assume-crs=EPSG:25831")"
 check "heights that are not zero" 0 "$(awk '$1 == "v" && $4 != 0 {++n} END {print n + 0}' zero.obj)"
 
 printf 'v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n' > bad.obj
-check "bad input" 422 "$(curl -sS -o problem -w '%{http_code}' -F tiles=@bad.obj "$base/processes/merge/execution")"
-check "its media type" application/problem+json "$(curl -sS -o problem -w '%{content_type}' -F tiles=@bad.obj "$base/processes/merge/execution")"
+check "bad input" "422 application/problem+json" "$(curl -sS -o problem -w '%{http_code} %{content_type}' \
+  -F tiles=@bad.obj "$base/processes/merge/execution")"
 [ $failures = 0 ] && echo "passed" || echo "$failures failed"
 exit $((failures > 0))
