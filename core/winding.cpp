@@ -91,7 +91,8 @@ void Border::insert_edges(BorderReport& report, std::size_t limit) {
   // CGAL looks at every neighbour of the vertex that a constraint starts from: at a hub that would be quadratic.
   std::vector<Index> degree(used_.size(), 0);
   for (const Index h : topology_.border) ++degree[vertex(from(h))->info()], ++degree[vertex(to(h))->info()];
-  // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown (2015).
+  // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown
+  // (2015).
   std::vector<Index> order = topology_.border;
   std::mt19937 random;
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);

@@ -21,7 +21,8 @@ int main() {
   const Volume between = volume(a, b, 0, {}, context);
   std::printf("area %g, height %g to %g, fill %g, cut %g\n", inspection.area_2d, inspection.zmin, inspection.zmax,
               between.fill.volume, between.cut.volume);
-  const bool right = inspection.area_2d == 8 && inspection.zmin == 3 && inspection.zmax == 3 && between.fill.volume == 24 &&
-                     between.cut.volume == 0 && inspection.overlaps + inspection.t_junctions + inspection.inverted == 0;
+  const bool right = inspection.area_2d == 8 && inspection.zmin == 3 && inspection.zmax == 3 &&
+                     between.fill.volume == 24 && between.cut.volume == 0 &&
+                     inspection.overlaps + inspection.t_junctions + inspection.inverted == 0;
   return right ? 0 : 1;
 }
