@@ -10,9 +10,8 @@ namespace terrane {
 namespace {
 
 bool is_boolean(const Operation& operation, const std::string& name) {
-  return std::any_of(operation.parameters.begin(), operation.parameters.end(), [&](const Parameter& p) {
-    return p.name == name && p.type == Parameter::Type::boolean;
-  });
+  return std::any_of(operation.parameters.begin(), operation.parameters.end(),
+                     [&](const Parameter& p) { return p.name == name && p.type == Parameter::Type::boolean; });
 }
 
 /// A word that starts a flag: "-o", "--seam", "--seam=wall", but not "-", not "-5".
@@ -80,7 +79,8 @@ CommandLine parse_command_line(const Operation& operation, std::span<const std::
     else if (flag == "--help" || flag == "-h")
       line.help = true;
     else if (!flag.starts_with("--"))
-      throw Error(ErrorKind::usage, "unknown-flag", "there is no flag '" + flag + "'; see terrane " + operation.id + " --help");
+      throw Error(ErrorKind::usage, "unknown-flag",
+                  "there is no flag '" + flag + "'; see terrane " + operation.id + " --help");
     else if (const std::string name = flag.substr(2); is_boolean(operation, name))
       line.parameters.emplace_back(name, rest.truth());
     else

@@ -53,7 +53,8 @@ void put_in_place(const std::string& temporary, const std::string& path, bool fo
     if (!force) ::unlink(temporary.c_str());
     return;
   }
-  if (!force && errno != EEXIST && ::access(path.c_str(), F_OK) != 0 && ::rename(temporary.c_str(), path.c_str()) == 0) return;
+  if (!force && errno != EEXIST && ::access(path.c_str(), F_OK) != 0 && ::rename(temporary.c_str(), path.c_str()) == 0)
+    return;
   const int reason = errno;
   ::unlink(temporary.c_str());
   errno = reason;
@@ -69,7 +70,8 @@ std::string read_file(const std::string& path) {
   if (file.get() < 0) fail(ErrorKind::input, "not-readable", "cannot read", path);
   struct stat facts {};
   std::string bytes;
-  if (::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode)) bytes.reserve(static_cast<std::size_t>(facts.st_size) + 1);
+  if (::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode))
+    bytes.reserve(static_cast<std::size_t>(facts.st_size) + 1);
   std::vector<char> block(1 << 20);
   for (;;) {
     const ssize_t n = ::read(file.get(), block.data(), block.size());

@@ -12,7 +12,8 @@ std::string read_file(const std::string& path);
 /// Throws Error{usage} when the path holds something already and may not be replaced.
 void refuse_existing(const std::string& path, bool force);
 
-/// Stores bytes whole or not at all: temporary name beside it, fsync, rename. "-" is standard output; pipes and devices are
+/// Stores bytes whole or not at all: temporary name beside it, fsync, rename. "-" is standard output; pipes and
+/// devices are
 /// written as they are. Throws Error{output}.
 void store_file(const std::string& path, std::string_view bytes, bool force);
 

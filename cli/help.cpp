@@ -58,7 +58,8 @@ std::string parameter_entries(const std::vector<Parameter>& parameters) {
     if (p.name == "format") continue;  // among the flags
     std::string sentence = p.sentence;
     if (!p.default_value.is_null() && p.type != Parameter::Type::boolean)
-      sentence += " [" + (p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()) + "]";
+      sentence +=
+          " [" + (p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()) + "]";
     text += entry("--" + p.name + placeholder(p), sentence, 30);
   }
   return text;
@@ -75,7 +76,9 @@ std::string general_help() {
   for (const Operation& operation : catalogue()) text += entry(operation.id, operation.title, 16);
   text += "\nFormats:\n";
   for (const Format& format : formats())
-    text += entry(format.name, format.description + (format.read ? format.write ? " (read, written)" : " (read)" : " (written)"), 16);
+    text +=
+        entry(format.name,
+              format.description + (format.read ? format.write ? " (read, written)" : " (read)" : " (written)"), 16);
   return text + "\nExit codes: 0 done, 2 usage or parameter, 3 input data, 4 limit, 5 our fault.\n";
 }
 
@@ -96,7 +99,10 @@ std::string operation_help(const Operation& operation) {
   std::string words;
   for (const std::string& word : operation.output_formats) words += (words.empty() ? "" : ", ") + word;
   text += "\nFlags:\n" +
-          entry("-o, --output FILE", prints ? "Where the result goes; standard output otherwise." : "Where the result goes; - is standard output.", 30) +
+          entry("-o, --output FILE",
+                prints ? "Where the result goes; standard output otherwise."
+                       : "Where the result goes; - is standard output.",
+                30) +
           entry("--report FILE", "Where the certificate goes, as JSON.", 30) +
           entry("--format F", "One of " + words + "; otherwise the output's name decides.", 30) +
           entry("--force", "Replace an output that exists.", 30) +

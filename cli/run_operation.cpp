@@ -16,7 +16,8 @@
 namespace terrane {
 namespace {
 
-/// Which input of the operation each word is. Surplus words are an error; missing ones are the plan's to complain about.
+/// Which input of the operation each word is. Surplus words are an error; missing ones are the plan's to complain
+/// about.
 std::vector<InputPart> assign_inputs(const Operation& operation, const std::vector<std::string>& words) {
   std::vector<InputPart> parts;
   auto slot = operation.inputs.begin();
@@ -24,8 +25,9 @@ std::vector<InputPart> assign_inputs(const Operation& operation, const std::vect
   for (const std::string& word : words) {
     while (slot != operation.inputs.end() && slot->max_occurs > 0 && used >= slot->max_occurs) ++slot, used = 0;
     if (slot == operation.inputs.end())
-      throw Error(ErrorKind::usage, "surplus-input",
-                  "'" + operation.id + "' takes no input after '" + words[parts.size() - 1] + "', but '" + word + "' follows");
+      throw Error(
+          ErrorKind::usage, "surplus-input",
+          "'" + operation.id + "' takes no input after '" + words[parts.size() - 1] + "', but '" + word + "' follows");
     ++used;
     parts.push_back({slot->name, word, "", ""});
   }
@@ -53,8 +55,8 @@ void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
 
 void print_warnings(const std::vector<Warning>& warnings) {
   for (const Warning& w : warnings)
-    std::fprintf(stderr, "warning: %s%s%s%s%s\n", w.message.c_str(), w.element.empty() ? "" : " (",
-                 w.element.c_str(), w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
+    std::fprintf(stderr, "warning: %s%s%s%s%s\n", w.message.c_str(), w.element.empty() ? "" : " (", w.element.c_str(),
+                 w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
 }
 
 }  // namespace

@@ -29,11 +29,13 @@ int whole_number(const std::string& name, const std::string& text, int low, int 
 std::size_t size(const std::string& name, const std::string& text) {
   std::string number = text;
   double factor = 1;
-  if (!number.empty())
-    switch (number.back()) {
-      case 'k': case 'K': factor = 1024.0; break;
-      case 'm': case 'M': factor = 1024.0 * 1024; break;
-      case 'g': case 'G': factor = 1024.0 * 1024 * 1024; break;
+  if (!number.empty()) switch (number.back()) {
+      case 'k':
+      case 'K': factor = 1024.0; break;
+      case 'm':
+      case 'M': factor = 1024.0 * 1024; break;
+      case 'g':
+      case 'G': factor = 1024.0 * 1024 * 1024; break;
       default: break;
     }
   if (factor > 1) number.pop_back();

@@ -29,19 +29,21 @@ nlohmann::json output_json(const Tin& tin, const Inspection& seen, const Crs& cr
 
 /// What is not exact by design: rasters that were simplified.
 nlohmann::json approximation(const Plan& plan, const Frame& frame, const std::vector<Surface>& surfaces) {
-  const bool raster = std::any_of(frame.inputs.begin(), frame.inputs.end(), [](const InputRecord& r) { return r.raster; });
+  const bool raster =
+      std::any_of(frame.inputs.begin(), frame.inputs.end(), [](const InputRecord& r) { return r.raster; });
   const auto asked = plan.parameters.find("max-error");
   if (!raster || asked == plan.parameters.end()) return nullptr;
   double measured = 0;
   for (const Surface& s : surfaces) measured = std::max(measured, s.max_error);
   if (measured == 0 && *asked == 0) return nullptr;
-  return {{"max_error", *asked}, {"measured", measured}, {"against", "every sample of the rasters, in the result's CRS"}};
+  return {
+      {"max_error", *asked}, {"measured", measured}, {"against", "every sample of the rasters, in the result's CRS"}};
 }
 
 nlohmann::json rounding_json(const RoundingReport& r) {
-  return {{"max_move", r.max_move}, {"max_snap", r.max_snap}, {"max_spill", r.max_spill}, {"snapped", r.snapped},
-          {"merges", r.merges},     {"flips", r.flips},       {"kinetic", r.kinetic},     {"regions", r.regions},
-          {"collapsed", r.collapsed}};
+  return {{"max_move", r.max_move}, {"max_snap", r.max_snap}, {"max_spill", r.max_spill},
+          {"snapped", r.snapped},   {"merges", r.merges},     {"flips", r.flips},
+          {"kinetic", r.kinetic},   {"regions", r.regions},   {"collapsed", r.collapsed}};
 }
 
 /// All ways of leaving out inputs whose border is so near that the place may lie outside them.
@@ -95,7 +97,8 @@ HeightCheck check_heights(const Tin& result, const std::vector<const Tin*>& inpu
 nlohmann::json warnings_json(const std::vector<Warning>& warnings) {
   nlohmann::json list = nlohmann::json::array();
   for (const Warning& w : warnings)
-    list.push_back({{"code", w.code}, {"input", w.input}, {"element", w.element}, {"message", w.message}, {"remedy", w.remedy}});
+    list.push_back(
+        {{"code", w.code}, {"input", w.input}, {"element", w.element}, {"message", w.message}, {"remedy", w.remedy}});
   return list;
 }
 
@@ -138,27 +141,26 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
     const double actual = area(tin, nullptr);
     balance = {{"expected", *outcome.expected_area}, {"actual", actual}, {"residual", actual - *outcome.expected_area}};
   }
-  nlohmann::json made = {
-      {"type", "Certificate"},
-      {"software", std::string("terrane ") + TERRANE_VERSION},
-      {"operation", plan.operation->id},
-      {"parameters", deciding(plan.parameters)},
-      {"inputs", inputs_json(frame)},
-      {"output", output_json(tin, seen, frame.crs)},
-      {"topology",
-       {{"inverted", seen.inverted},
-        {"degenerate", seen.degenerate},
-        {"t_junctions", seen.t_junctions},
-        {"non_manifold_edges", seen.non_manifold_edges}}},
-      {"accuracy",
-       {{"max_plan_shift", std::max(rounding.max_move, rounding.max_snap)},
-        {"max_height_error", heights.max_error},
-        {"points_checked", heights.points},
-        {"approximation", approximation(plan, frame, surfaces)}}},
-      {"rounding", outcome.rounding ? rounding_json(rounding) : nlohmann::json()},
-      {"area_balance", balance},
-      {"reprojection", frame.reprojection},
-      {"warnings", warnings_json(context.warnings)}};
+  nlohmann::json made = {{"type", "Certificate"},
+                         {"software", std::string("terrane ") + TERRANE_VERSION},
+                         {"operation", plan.operation->id},
+                         {"parameters", deciding(plan.parameters)},
+                         {"inputs", inputs_json(frame)},
+                         {"output", output_json(tin, seen, frame.crs)},
+                         {"topology",
+                          {{"inverted", seen.inverted},
+                           {"degenerate", seen.degenerate},
+                           {"t_junctions", seen.t_junctions},
+                           {"non_manifold_edges", seen.non_manifold_edges}}},
+                         {"accuracy",
+                          {{"max_plan_shift", std::max(rounding.max_move, rounding.max_snap)},
+                           {"max_height_error", heights.max_error},
+                           {"points_checked", heights.points},
+                           {"approximation", approximation(plan, frame, surfaces)}}},
+                         {"rounding", outcome.rounding ? rounding_json(rounding) : nlohmann::json()},
+                         {"area_balance", balance},
+                         {"reprojection", frame.reprojection},
+                         {"warnings", warnings_json(context.warnings)}};
   made.update(outcome.certificate);
   return made;
 }

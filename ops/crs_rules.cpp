@@ -46,6 +46,9 @@ bool looks_like_degrees(const Box& b) {
   return b.xmin >= -360 && b.xmax <= 360 && b.ymin >= -90 && b.ymax <= 90 && b.xmin <= b.xmax;
 }
 
+/// Longitudes may be counted on past a full turn, by tiles that cross where their count begins.
+bool can_be_degrees(const Box& b) { return b.xmin >= -720 && b.xmax <= 720 && b.ymin >= -90 && b.ymax <= 90; }
+
 /// Degrees that cannot be degrees, and metres that look like degrees.
 void check_magnitudes(const std::vector<const Surface*>& surfaces, bool refuse, Context& context) {
   bool large = false;
@@ -54,19 +57,23 @@ void check_magnitudes(const std::vector<const Surface*>& surfaces, bool refuse, 
     const Box b = box_of(*s);
     if (!(b.xmin <= b.xmax)) continue;
     const bool small = looks_like_degrees(b);
-    if (s->crs.known() && s->crs.geographic() && !small) {
+    if (s->crs.known() && s->crs.geographic() && !can_be_degrees(b)) {
       const std::string message = "input '" + s->name + "' is said to be in " + shown(s->crs) +
-                                  " (degrees), but its coordinates go beyond 360 by 90";
+                                  " (degrees), but its coordinates go beyond what longitudes and latitudes can be";
       if (refuse)
-        throw Error(ErrorKind::input, "not-degrees", message + "; say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS");
-      context.warn({"not-degrees", s->name, "", message, "say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS"});
+        throw Error(ErrorKind::input, "not-degrees",
+                    message + "; say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS");
+      context.warn(
+          {"not-degrees", s->name, "", message, "say which CRS it is in with crs=" + address(*s, surfaces) + ":CRS"});
     } else if (s->crs.known() && !s->crs.geographic() && !s->crs.local() && small) {
       const std::string message = "input '" + s->name + "' is said to be in " + shown(s->crs) + " (" +
                                   s->crs.length_unit() + "), but all its coordinates could be degrees";
       if (refuse && large)
-        throw Error(ErrorKind::input, "degrees-as-metres",
-                    message + " while other inputs' could not; say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are");
-      context.warn({"degrees-as-metres", s->name, "", message, "say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are"});
+        throw Error(
+            ErrorKind::input, "degrees-as-metres",
+            message + " while other inputs' could not; say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are");
+      context.warn(
+          {"degrees-as-metres", s->name, "", message, "say crs=" + address(*s, surfaces) + ":EPSG:4326 if they are"});
     }
   }
 }
@@ -88,15 +95,20 @@ void check_vertical(const std::vector<const Surface*>& surfaces, const Crs& targ
                     "); name one for the result, as in target-crs=EPSG:25831+5773");
   if (settled && unknown)
     context.warn({"heights-unshifted", unknown->name, "",
-                  "input '" + unknown->name + "' does not say to which vertical datum its heights refer; they were not "
-                  "shifted to " + target.vertical_datum(), "name it, as in crs=EPSG:25831+5773"});
+                  "input '" + unknown->name +
+                      "' does not say to which vertical datum its heights refer; they were not "
+                      "shifted to " +
+                      target.vertical_datum(),
+                  "name it, as in crs=EPSG:25831+5773"});
   else if (target.known() && !settled && !known.empty())
     context.warn({"heights-unshifted", "", "",
                   "heights still refer to " + *known.begin() + ", which target-crs does not say",
                   "name it there, as in target-crs=EPSG:25831+5773"});
   else if (surfaces.size() > 1 && unknown && known.empty())
-    context.warn({"vertical-datum-unknown", "", "", "no input says to which vertical datum its heights refer; they are "
-                  "taken to be the same", "name it, as in crs=EPSG:25831+5773"});
+    context.warn({"vertical-datum-unknown", "", "",
+                  "no input says to which vertical datum its heights refer; they are "
+                  "taken to be the same",
+                  "name it, as in crs=EPSG:25831+5773"});
 }
 
 std::string crs_list(const std::vector<const Surface*>& surfaces) {
@@ -117,8 +129,8 @@ std::string crs_list(const std::vector<const Surface*>& surfaces) {
   }
   if (local)
     throw Error(ErrorKind::input, "mixed-crs",
-                "local frames have no place on the Earth and cannot be put together with others: " + crs_list(surfaces) +
-                    "; say which CRS they are in with crs=INPUT:CRS");
+                "local frames have no place on the Earth and cannot be put together with others: " +
+                    crs_list(surfaces) + "; say which CRS they are in with crs=INPUT:CRS");
   throw Error(ErrorKind::input, "mixed-crs",
               "the inputs are in different coordinate reference systems: " + crs_list(surfaces) +
                   "; choose that of the result, for example target-crs=" + suggest_crs(boxes, all).id());
@@ -128,7 +140,8 @@ std::string crs_list(const std::vector<const Surface*>& surfaces) {
 const Crs& most_telling(const std::vector<const Surface*>& surfaces) {
   const auto key = [](const Surface* s) { return std::pair(s->crs.vertical_datum() == "unknown", s->crs.id()); };
   return (*std::min_element(surfaces.begin(), surfaces.end(),
-                            [&](const Surface* a, const Surface* b) { return key(a) < key(b); }))->crs;
+                            [&](const Surface* a, const Surface* b) { return key(a) < key(b); }))
+      ->crs;
 }
 
 }  // namespace
@@ -167,7 +180,8 @@ Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& 
                   "no input says in which CRS it is, so nothing can be transformed to " + target +
                       "; say it with assume-crs=CRS");
     if (!unknown.empty())
-      context.warn({"no-crs", "", "", "no input says in which CRS it is: all are taken to be in one local frame, in metres",
+      context.warn({"no-crs", "", "",
+                    "no input says in which CRS it is: all are taken to be in one local frame, in metres",
                     "say it with assume-crs"});
     check_magnitudes(unknown, false, context);
     return {};

@@ -95,7 +95,8 @@ void move_points(std::vector<Point>& points, const Crs& from, const Crs& to) {
     for (Point& p : points) p.z *= factor;
 }
 
-void move_to(Tin& tin, const Crs& from, const Crs& to, const std::string& name, double& planarity_error, Context& context) {
+void move_to(Tin& tin, const Crs& from, const Crs& to, const std::string& name, double& planarity_error,
+             Context& context) {
   if (!differs(from, to)) return;
   const double factor = height_factor(from, to);
   double bend = 0;
@@ -110,7 +111,8 @@ void move_to(Tin& tin, const Crs& from, const Crs& to, const std::string& name, 
       for (Point& p : tin.vertices) p.z *= factor;
   }
   if (factor != 1)
-    context.warn({"heights-converted", name, "", "heights were converted from " + from.height_unit() + " to " + to.height_unit(), ""});
+    context.warn({"heights-converted", name, "",
+                  "heights were converted from " + from.height_unit() + " to " + to.height_unit(), ""});
   planarity_error = std::max(planarity_error, bend * (same_datum(from, to) ? factor : 1.0));
   refuse_turned(tin, name);
 }

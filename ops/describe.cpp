@@ -19,7 +19,8 @@ nlohmann::json bytes_schema(const std::string& media_type) {
 
 nlohmann::json surface_schema(const InputSlot& slot) {
   nlohmann::json kinds = nlohmann::json::array();
-  kinds.push_back({{"type", "object"}, {"description", "A TIN as Terrane JSON."}, {"contentMediaType", "application/json"}});
+  kinds.push_back(
+      {{"type", "object"}, {"description", "A TIN as Terrane JSON."}, {"contentMediaType", "application/json"}});
   for (const Format& format : formats())
     if (format.read && format.name != "json") kinds.push_back(bytes_schema(format.media_type));
   if (slot.takes_number) kinds.push_back({{"type", "number"}});
@@ -90,14 +91,18 @@ nlohmann::json process_summary(const Operation& operation) {
 nlohmann::json process_description(const Operation& operation) {
   nlohmann::json description = process_summary(operation), inputs = nlohmann::json::object();
   for (const InputSlot& slot : operation.inputs)
-    inputs[slot.name] = {{"title", title_of(slot.name)},
-                         {"description", slot.sentence},
-                         {"minOccurs", slot.min_occurs},
-                         {"maxOccurs", slot.max_occurs == 0 ? nlohmann::json("unbounded") : nlohmann::json(slot.max_occurs)},
-                         {"schema", surface_schema(slot)}};
+    inputs[slot.name] = {
+        {"title", title_of(slot.name)},
+        {"description", slot.sentence},
+        {"minOccurs", slot.min_occurs},
+        {"maxOccurs", slot.max_occurs == 0 ? nlohmann::json("unbounded") : nlohmann::json(slot.max_occurs)},
+        {"schema", surface_schema(slot)}};
   for (const auto* list : {&operation.parameters, &common_parameters()})
     for (const Parameter& p : *list)
-      inputs[p.name] = {{"title", title_of(p.name)}, {"description", p.sentence}, {"minOccurs", 0}, {"maxOccurs", 1},
+      inputs[p.name] = {{"title", title_of(p.name)},
+                        {"description", p.sentence},
+                        {"minOccurs", 0},
+                        {"maxOccurs", 1},
                         {"schema", parameter_schema(p)}};
   description["inputs"] = inputs;
   description["outputs"] = {{output_id(operation),

@@ -44,10 +44,11 @@ nlohmann::json problem(const Error& error) {
                                ? "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/no-such-process"
                                : "/problems/" + error.code;
   const bool ours = error.kind == ErrorKind::internal;
-  return {{"type", ours ? "/problems/internal" : type},
-          {"title", r.title},
-          {"status", r.status},
-          {"detail", ours ? "Terrane failed on this request. That is a mistake of ours, not of the input." : error.what()}};
+  return {
+      {"type", ours ? "/problems/internal" : type},
+      {"title", r.title},
+      {"status", r.status},
+      {"detail", ours ? "Terrane failed on this request. That is a mistake of ours, not of the input." : error.what()}};
 }
 
 Error as_error(const std::exception& exception) {

@@ -26,8 +26,12 @@ nlohmann::json raster_facts(const Raster& dem) {
       low = std::min(low, z), high = std::max(high, z);
   nlohmann::json range;
   if (low <= high) range = {low, high};
-  return {{"width", dem.width}, {"height", dem.height}, {"cell_size", {dem.dx, dem.dy}},
-          {"north_west_sample", {dem.x0, dem.y0}}, {"voids", voids}, {"height_range", range}};
+  return {{"width", dem.width},
+          {"height", dem.height},
+          {"cell_size", {dem.dx, dem.dy}},
+          {"north_west_sample", {dem.x0, dem.y0}},
+          {"voids", voids},
+          {"height_range", range}};
 }
 
 /// Errors of readers and of validation name the input by its label; a memory limit does too.
@@ -78,7 +82,8 @@ std::vector<const Tin*> tins_of(const std::vector<Surface>& surfaces) {
   return tins;
 }
 
-std::string encode(const Plan& plan, const Frame& frame, const Tin& tin, const nlohmann::json& report, Context& context) {
+std::string encode(const Plan& plan, const Frame& frame, const Tin& tin, const nlohmann::json& report,
+                   Context& context) {
   context.progress("write", 0);
   const Format* format = format_named(plan.output_format);
   WriteOptions options;
@@ -96,7 +101,8 @@ void name_joined(const Frame& frame, Outcome& outcome) {
   if (!outcome.certificate.contains("seams")) return;
   nlohmann::json joined = nlohmann::json::array();
   for (const InputRecord& r : frame.inputs)
-    if (!r.joined.empty() && std::find(joined.begin(), joined.end(), r.joined) == joined.end()) joined.push_back(r.joined);
+    if (!r.joined.empty() && std::find(joined.begin(), joined.end(), r.joined) == joined.end())
+      joined.push_back(r.joined);
   outcome.certificate["seams"]["joined"] = joined;
 }
 

@@ -113,8 +113,9 @@ void warn_distorted(const std::vector<Surface>& surfaces, const Crs& crs, Contex
     const double scale = scale_factor(crs, {(box.xmin + box.xmax) / 2, (box.ymin + box.ymax) / 2});
     if (std::fabs(scale - 1) <= 0.05) continue;
     context.warn({"scale-distorted", s.name, "",
-                  "lengths in " + crs.name() + " are " + nlohmann::json(scale).dump() + " times those on the ground at '" +
-                      s.name + "'", "choose a target-crs that suits the place"});
+                  "lengths in " + crs.name() + " are " + nlohmann::json(scale).dump() +
+                      " times those on the ground at '" + s.name + "'",
+                  "choose a target-crs that suits the place"});
     return;
   }
 }
@@ -162,11 +163,13 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
     if (s.level()) record.level = std::get<double>(s.value);
     frame.inputs.push_back(std::move(record));
     if (operation.intake.raster_only && !std::holds_alternative<Raster>(s.value))
-      throw Error(ErrorKind::input, "not-a-raster",
-                  "input '" + s.name + "' is a TIN already; '" + operation.id + "' takes a raster (use 'convert' for TINs)");
+      throw Error(
+          ErrorKind::input, "not-a-raster",
+          "input '" + s.name + "' is a TIN already; '" + operation.id + "' takes a raster (use 'convert' for TINs)");
   }
   if (operation.intake.check) unwrap(surfaces);
-  if (operation.intake.join_rasters) join_rasters(surfaces, plan.parameters.value("overlap", "") != "sum", frame.inputs);
+  if (operation.intake.join_rasters)
+    join_rasters(surfaces, plan.parameters.value("overlap", "") != "sum", frame.inputs);
 
   Reprojection moved;
   for (Surface& s : surfaces) {

@@ -13,18 +13,17 @@ namespace terrane {
 struct InputRecord {
   std::string slot, name, sha256;
   Crs crs;
-  std::optional<double> level;      // the input is a number
+  std::optional<double> level;  // the input is a number
   std::size_t vertices = 0, faces = 0;
-  std::optional<double> area_2d;    // of its own domain in the frame; none where rasters were joined
-  std::string joined;               // what it became part of when rasters were joined
+  std::optional<double> area_2d;  // of its own domain in the frame; none where rasters were joined
+  std::string joined;  // what it became part of when rasters were joined
   bool raster = false;
 };
 
 struct Frame {
-  Crs crs;                           // of the result; unknown when no input has one
-  std::vector<InputRecord> inputs;   // in the order given
-  nlohmann::json reprojection;       // null when nothing was transformed
-
+  Crs crs;  // of the result; unknown when no input has one
+  std::vector<InputRecord> inputs;  // in the order given
+  nlohmann::json reprojection;  // null when nothing was transformed
 };
 
 /// Brings the surfaces into one frame: CRS rules, unwrapping, rasters joined and triangulated, everything checked.
@@ -34,7 +33,8 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
 /// Step 1: the CRS of each surface by `crs`, what its bytes say, and `assume-crs`, in this order.
 void assign_crs(std::vector<Surface>& surfaces, const Plan& plan);
 
-/// Step 2: the one CRS of the frame. Throws where they differ and target-crs does not settle it; warns about unknown ones,
+/// Step 2: the one CRS of the frame. Throws where they differ and target-crs does not settle it; warns about unknown
+/// ones,
 /// vertical datums and units that look mistaken.
 Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& context);
 
@@ -43,11 +43,11 @@ Box box_of(const Surface& surface);
 /// A raster as a TIN in the frame's CRS.
 struct DemTin {
   Tin tin;
-  double error = 0;             // measured over every sample of the domain, as transformed
+  double error = 0;  // measured over every sample of the domain, as transformed
   double planarity_error = 0;
 };
 struct DemOptions {
-  double max_error = 0;         // in height units of the frame's CRS, against the samples as transformed
+  double max_error = 0;  // in height units of the frame's CRS, against the samples as transformed
   std::size_t max_triangles = 0;
 };
 DemTin dem_tin(const Raster& dem, const Crs& from, const Crs& to, const std::string& name, const DemOptions& options,
@@ -55,7 +55,8 @@ DemTin dem_tin(const Raster& dem, const Crs& from, const Crs& to, const std::str
 
 /// Places and heights moved from one CRS to another, units of heights included. No-op where they agree.
 /// Throws Error{input, "turned-over"} naming a face that the transformation turns over.
-void move_to(Tin& tin, const Crs& from, const Crs& to, const std::string& name, double& planarity_error, Context& context);
+void move_to(Tin& tin, const Crs& from, const Crs& to, const std::string& name, double& planarity_error,
+             Context& context);
 void move_points(std::vector<Point>& points, const Crs& from, const Crs& to);
 /// Whether moving from one to the other changes anything.
 bool differs(const Crs& from, const Crs& to);

@@ -68,7 +68,8 @@ template <class Visit>
 void HeightField::visit_cells(Box box, Visit visit) const {
   if (box.xmax < box_.xmin || box.xmin > box_.xmax || box.ymax < box_.ymin || box.ymin > box_.ymax) return;
   for (int r = cell_of(box.ymin, box_.ymin, cell_y_, rows_); r <= cell_of(box.ymax, box_.ymin, cell_y_, rows_); ++r)
-    for (int c = cell_of(box.xmin, box_.xmin, cell_x_, columns_); c <= cell_of(box.xmax, box_.xmin, cell_x_, columns_); ++c) {
+    for (int c = cell_of(box.xmin, box_.xmin, cell_x_, columns_); c <= cell_of(box.xmax, box_.xmin, cell_x_, columns_);
+         ++c) {
       const std::size_t cell = static_cast<std::size_t>(r) * columns_ + c;
       for (std::size_t i = start_[cell]; i < start_[cell + 1]; ++i) visit(faces_[i]);
     }

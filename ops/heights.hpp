@@ -16,9 +16,9 @@ class HeightField {
   explicit HeightField(const Tin& tin);
 
   struct Reading {
-    bool found = false;   // a face lies within the radius
+    bool found = false;  // a face lies within the radius
     bool border = false;  // so does the border of the domain
-    HeightRange height;   // over the faces within the radius, at their nearest points
+    HeightRange height;  // over the faces within the radius, at their nearest points
   };
   /// Heights at a place, or within `radius` of it. Walls are looked through.
   Reading at(Point2 place, double radius) const;

@@ -12,8 +12,11 @@ namespace {
 
 // What programs say when they do not know; such a type decides nothing.
 constexpr std::array<std::string_view, 9> generic_types = {
-    "application/octet-stream", "binary/octet-stream", "application/binary", "text/plain", "application/xml",
-    "text/xml",                 "application/zip",     "application/x-www-form-urlencoded", "application/json"};
+    "application/octet-stream", "binary/octet-stream",
+    "application/binary",       "text/plain",
+    "application/xml",          "text/xml",
+    "application/zip",          "application/x-www-form-urlencoded",
+    "application/json"};
 
 std::string bare_type(std::string_view media_type) {
   std::string type(media_type.substr(0, media_type.find(';')));
@@ -54,12 +57,14 @@ const Format& input_format(const InputPart& part) {
   if (!format && generic && !type.empty()) format = format_of_media_type(type);
   if (!format)
     throw Error(ErrorKind::unsupported, "unsupported-format",
-                "input '" + label(part) + "' is in no format that can be told from its media type, name or first bytes; "
-                "readable are " + readable_formats());
+                "input '" + label(part) +
+                    "' is in no format that can be told from its media type, name or first bytes; "
+                    "readable are " +
+                    readable_formats());
   if (!format->read)
     throw Error(ErrorKind::unsupported, "unsupported-format",
-                "input '" + label(part) + "' is " + format->name + ", which can be written but not read; readable are " +
-                    readable_formats());
+                "input '" + label(part) + "' is " + format->name +
+                    ", which can be written but not read; readable are " + readable_formats());
   return *format;
 }
 

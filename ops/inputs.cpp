@@ -15,7 +15,8 @@ namespace {
 /// The least distance between vertices of the two, on a sample of at most 3000 each: an upper bound good enough to say.
 double apart(const Surface& a, const Surface& b) {
   const auto &va = a.tin().vertices, &vb = b.tin().vertices;
-  const std::size_t step_a = std::max<std::size_t>(1, va.size() / 3000), step_b = std::max<std::size_t>(1, vb.size() / 3000);
+  const std::size_t step_a = std::max<std::size_t>(1, va.size() / 3000),
+                    step_b = std::max<std::size_t>(1, vb.size() / 3000);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < va.size(); i += step_a)
     for (std::size_t j = 0; j < vb.size(); j += step_b)

@@ -6,14 +6,15 @@
 #include "core/validate.hpp"
 #include "io/geodesy.hpp"
 
-// Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees. Not a
+// Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees.
+// Not a
 // number where coordinates are said to be degrees and cannot be (null in JSON).
 namespace terrane {
 
 /// The unit words of a CRS as reports name them.
 struct Units {
   std::string length, height, area, volume;
-  double area_factor = 1;    // squared plan units, or m2 for degrees, -> `area`
+  double area_factor = 1;  // squared plan units, or m2 for degrees, -> `area`
   double height_factor = 1;  // height units -> the length that `volume` is made of
 };
 Units units_of(const Crs& crs);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-
 #include "core/arithmetic.hpp"
 #include "core/merge.hpp"
 #include "core/volume.hpp"
@@ -9,6 +7,7 @@
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
 #include "ops/seams.hpp"
+#include "ops/union_area.hpp"
 
 namespace terrane {
 namespace {
@@ -18,9 +17,10 @@ struct AddParameters {
   Seam seam = Seam::wall;
 
   void visit(Fields& f) {
-    f.choice("outside", outside, {{"keep", Outside::keep}, {"drop", Outside::drop}, {"zero", Outside::zero}},
-             "What is returned where only one surface exists: keep it at its own height, drop it, or take the missing one "
-             "as height 0.");
+    f.choice(
+        "outside", outside, {{"keep", Outside::keep}, {"drop", Outside::drop}, {"zero", Outside::zero}},
+        "What is returned where only one surface exists: keep it at its own height, drop it, or take the missing one "
+        "as height 0.");
     f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
              "What happens where heights jump at the border of the overlap: closed by vertical faces, or left open.");
   }
@@ -45,11 +45,11 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   Assembled sum = combine(a.tin(), b.tin(), +1, p.outside, {p.seam, 0}, context);
   if (sum.tin.faces.empty()) refuse_no_overlap(a, b, "outside=keep");
 
-  // The overlap, measured on its own, is what the sum's area is held against.
+  const double united = union_area({&a.tin(), &b.tin()}, context),
+               apart = area(a.tin(), nullptr) + area(b.tin(), nullptr);
+  outcome.expected_area = p.outside == Outside::drop ? apart - united : united;
+  // What the two say of each other, as a merge would report it.
   Merged measured = merge({a.tin(), b.tin()}, {Overlap::first, {Seam::split, 0}}, context);
-  const double overlap = measured.seams.empty() ? 0 : measured.seams.front().overlap_area_2d;
-  outcome.expected_area =
-      p.outside == Outside::drop ? overlap : area(a.tin(), nullptr) + area(b.tin(), nullptr) - overlap;
   for (SeamPair& pair : measured.seams) {
     measure_jumps(sum.tin, pair);
     pair.wall_area = sum.wall_area;

@@ -25,28 +25,28 @@ Outcome run(std::vector<Surface>& inputs, const InfoParameters&, Context&) {
   const Tin& tin = surface.tin();
   const Inspection seen = inspect(tin);
   const Units units = units_of(surface.crs);
-  nlohmann::json report = {
-      {"type", "SurfaceInfo"},
-      {"name", surface.name},
-      {"kind", surface.source.is_null() ? "tin" : "raster"},
-      {"raster", surface.source},
-      {"crs", crs_json(surface.crs)},
-      {"units", {{"length", units.length}, {"height", units.height}, {"area", units.area}}},
-      {"vertices", seen.vertices},
-      {"faces", seen.faces},
-      {"walls", seen.walls},
-      {"components", seen.components},
-      {"holes", seen.holes},
-      {"extent", nullptr},
-      {"height_range", nullptr},
-      {"topology",
-       {{"inverted", seen.inverted},
-        {"degenerate", seen.degenerate},
-        {"t_junctions", seen.t_junctions},
-        {"non_manifold_edges", seen.non_manifold_edges},
-        {"overlaps", seen.overlaps}}}};
+  nlohmann::json report = {{"type", "SurfaceInfo"},
+                           {"name", surface.name},
+                           {"kind", surface.source.is_null() ? "tin" : "raster"},
+                           {"raster", surface.source},
+                           {"crs", crs_json(surface.crs)},
+                           {"units", {{"length", units.length}, {"height", units.height}, {"area", units.area}}},
+                           {"vertices", seen.vertices},
+                           {"faces", seen.faces},
+                           {"walls", seen.walls},
+                           {"components", seen.components},
+                           {"holes", seen.holes},
+                           {"extent", nullptr},
+                           {"height_range", nullptr},
+                           {"topology",
+                            {{"inverted", seen.inverted},
+                             {"degenerate", seen.degenerate},
+                             {"t_junctions", seen.t_junctions},
+                             {"non_manifold_edges", seen.non_manifold_edges},
+                             {"overlaps", seen.overlaps}}}};
   if (!tin.vertices.empty()) {
-    report["extent"] = {{"xmin", seen.box.xmin}, {"ymin", seen.box.ymin}, {"xmax", seen.box.xmax}, {"ymax", seen.box.ymax}};
+    report["extent"] = {
+        {"xmin", seen.box.xmin}, {"ymin", seen.box.ymin}, {"xmax", seen.box.xmax}, {"ymax", seen.box.ymax}};
     report["height_range"] = {seen.zmin, seen.zmax};
   }
   const Outline border = outline(tin, surface.crs);
@@ -64,7 +64,8 @@ Operation info() {
   return operation<InfoParameters>(
       {.id = "info",
        .title = "Describe a surface",
-       .description = "Counts, extent, CRS, units, height range, components, borders and areas. Never refuses what can be read.",
+       .description =
+           "Counts, extent, CRS, units, height range, components, borders and areas. Never refuses what can be read.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
        .result = ResultKind::report,
        .intake = {.check = false, .empty_allowed = true}},

@@ -32,7 +32,8 @@ Outcome run(std::vector<Surface>& inputs, const RenderParameters& p, Context& co
     const Box box = bounds(surface.tin());
     const double latitude = (box.ymin + box.ymax) / 2;
     options.x_factor = std::max(0.01, std::cos(latitude * std::numbers::pi / 180));
-    options.z_factor = distance({box.xmin, latitude - 0.5}, {box.xmin, latitude + 0.5}, crs) / crs.metres_per_height_unit();
+    options.z_factor =
+        distance({box.xmin, latitude - 0.5}, {box.xmin, latitude + 0.5}, crs) / crs.metres_per_height_unit();
   } else if (crs.known()) {
     options.z_factor = crs.metres_per_length_unit() / crs.metres_per_height_unit();
   }

@@ -4,6 +4,7 @@
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
+#include "ops/union_area.hpp"
 
 namespace terrane {
 namespace {
@@ -14,8 +15,9 @@ struct SubtractParameters {
   bool allow_empty = false;
 
   void visit(Fields& f) {
-    f.choice("outside", outside, {{"drop", Outside::drop}, {"zero", Outside::zero}},
-             "What is returned where only one surface exists: nothing, or the difference with the missing one at height 0.");
+    f.choice(
+        "outside", outside, {{"drop", Outside::drop}, {"zero", Outside::zero}},
+        "What is returned where only one surface exists: nothing, or the difference with the missing one at height 0.");
     f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
              "What happens where heights jump at the border of the overlap: closed by vertical faces, or left open.");
     f.boolean("allow-empty", allow_empty, "Return an empty surface, with a warning, where the two do not overlap.");
@@ -40,16 +42,15 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
     return outcome;
   }
   warn_feet_beside_metres(minuend, subtrahend, context);
-  // The overlap, measured on its own, is what the difference's area is held against.
-  const Volume between = volume(minuend.tin(), subtrahend.tin(), 0, nullptr, context);
-  if (!(between.overlap_area_2d > 0)) {
+  // The overlap by the borders alone is what the difference's area is held against.
+  const double united = union_area({&minuend.tin(), &subtrahend.tin()}, context);
+  const double overlap = area(minuend.tin(), nullptr) + area(subtrahend.tin(), nullptr) - united;
+  Assembled difference = combine(minuend.tin(), subtrahend.tin(), -1, p.outside, {p.seam, 0}, context);
+  if (difference.tin.faces.empty() || overlap <= 1e-12 * united) {
     if (!p.allow_empty) refuse_no_overlap(minuend, subtrahend);
     if (p.outside == Outside::drop) warn_no_overlap(minuend, subtrahend, context);
   }
-  Assembled difference = combine(minuend.tin(), subtrahend.tin(), -1, p.outside, {p.seam, 0}, context);
-  outcome.expected_area = between.overlap_area_2d;
-  if (p.outside == Outside::zero)
-    *outcome.expected_area += between.surface_only_area_2d + between.reference_only_area_2d;
+  outcome.expected_area = p.outside == Outside::zero ? united : overlap;
   outcome.expected_height = difference_of_heights(p.outside);
   outcome.rounding = difference.rounding;
   outcome.result = std::move(difference.tin);

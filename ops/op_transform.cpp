@@ -43,8 +43,9 @@ Operation transform_operation() {
   return operation<TransformParameters>(
       {.id = "transform",
        .title = "Transform a surface to another CRS",
-       .description = "The surface in another coordinate reference system (target-crs), with the planarity error this causes "
-                      "(straight edges bend); or with its heights scaled and shifted.",
+       .description =
+           "The surface in another coordinate reference system (target-crs), with the planarity error this causes "
+           "(straight edges bend); or with its heights scaled and shifted.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
        .check = check},
       run);

@@ -28,8 +28,9 @@ Operation triangulate_operation() {
   return operation<TriangulateParameters>(
       {.id = "triangulate",
        .title = "Triangulate a raster",
-       .description = "A TIN that is nowhere further (vertically) than max-error from the samples of a DEM; voids become "
-                      "holes.",
+       .description =
+           "A TIN that is nowhere further (vertically) than max-error from the samples of a DEM; voids become "
+           "holes.",
        .inputs = {{"dem", 1, 1, false, "The raster: GeoTIFF, HGT or ASCII grid."}},
        .intake = {.raster_only = true}},
       run);

@@ -14,13 +14,15 @@ struct ValidateParameters {
   bool repair = false;
 
   void visit(Fields& f) {
-    f.boolean("repair", repair, "Return the mended TIN, and say what was changed, instead of the list of what is wrong.");
+    f.boolean("repair", repair,
+              "Return the mended TIN, and say what was changed, instead of the list of what is wrong.");
   }
 };
 
 nlohmann::json defect_list(const Tin& tin) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Defect& d : find_defects(tin)) list.push_back({{"code", d.code}, {"element", d.element}, {"message", d.message}});
+  for (const Defect& d : find_defects(tin))
+    list.push_back({{"code", d.code}, {"element", d.element}, {"message", d.message}});
   return list;
 }
 
@@ -39,10 +41,9 @@ Outcome run(std::vector<Surface>& inputs, const ValidateParameters& p, Context& 
   if (!p.repair) {
     const auto defects = defect_list(tin);
     const Inspection seen = inspect(tin);
-    outcome.result = nlohmann::json{{"type", "ValidationReport"},   {"name", surface.name},
-                                    {"valid", defects.empty()},     {"defects", defects},
-                                    {"vertices", seen.vertices},    {"faces", seen.faces},
-                                    {"topology", topology_json(seen)}};
+    outcome.result = nlohmann::json{
+        {"type", "ValidationReport"}, {"name", surface.name}, {"valid", defects.empty()},       {"defects", defects},
+        {"vertices", seen.vertices},  {"faces", seen.faces},  {"topology", topology_json(seen)}};
     return outcome;
   }
   Repaired repaired = repair(std::move(tin), surface.name, context);
@@ -57,7 +58,8 @@ Operation validate() {
   auto made = operation<ValidateParameters>(
       {.id = "validate",
        .title = "Check a surface, or mend it",
-       .description = "What is wrong with a TIN, element by element; or, with repair, the mended TIN and what was changed.",
+       .description =
+           "What is wrong with a TIN, element by element; or, with repair, the mended TIN and what was changed.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
        .result = ResultKind::report,
        .intake = {.check = false, .empty_allowed = true},

@@ -21,9 +21,12 @@ struct VolumeParameters {
 
   void visit(Fields& f) {
     f.length("tolerance", tolerance, {.minimum = 0}, "Differences in height up to this count as the same.");
-    f.text("levels", levels, "Levels instead of a reference, a row each: a list (90,95,100) or from:to:step (90:110:5).");
-    f.number("cut-factor", cut_factor, {.minimum = 0}, "", "What cut volumes are multiplied by in the adjusted net (bulking).");
-    f.number("fill-factor", fill_factor, {.minimum = 0}, "", "What fill volumes are multiplied by in the adjusted net (shrinkage).");
+    f.text("levels", levels,
+           "Levels instead of a reference, a row each: a list (90,95,100) or from:to:step (90:110:5).");
+    f.number("cut-factor", cut_factor, {.minimum = 0}, "",
+             "What cut volumes are multiplied by in the adjusted net (bulking).");
+    f.number("fill-factor", fill_factor, {.minimum = 0}, "",
+             "What fill volumes are multiplied by in the adjusted net (shrinkage).");
     f.boolean("allow-empty", allow_empty, "Return zeros, with a warning, where the two do not overlap.");
   }
 };
@@ -56,7 +59,8 @@ std::vector<double> parse_levels(const std::string& text) {
 
 void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
   const auto p = filled<VolumeParameters>(values);
-  const bool reference = std::any_of(inputs.begin(), inputs.end(), [](const InputPart& i) { return i.slot == "reference"; });
+  const bool reference =
+      std::any_of(inputs.begin(), inputs.end(), [](const InputPart& i) { return i.slot == "reference"; });
   if (reference && !p.levels.empty())
     throw Error(ErrorKind::usage, "surplus-input", "'volume' takes either a reference or levels, not both");
   if (!reference && p.levels.empty())
@@ -92,8 +96,9 @@ Operation volume_operation() {
   return operation<VolumeParameters>(
       {.id = "volume",
        .title = "Volumes between two surfaces, or above and below a level",
-       .description = "Cut, fill and net volume between a surface and a reference over their overlap, with plan and surface "
-                      "areas, on the grid and on the ellipsoid. Net = fill - cut; fill: the surface lies above.",
+       .description =
+           "Cut, fill and net volume between a surface and a reference over their overlap, with plan and surface "
+           "areas, on the grid and on the ellipsoid. Net = fill - cut; fill: the surface lies above.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."},
                   {"reference", 0, 1, true, "What it is compared with: a TIN, a raster, or a number (a level)."}},
        .result = ResultKind::table,

@@ -15,7 +15,8 @@ Json json_response(const std::string& description, const Json& schema) {
 }
 
 Json problem_response(const std::string& description) {
-  return {{"description", description}, {"content", {{"application/problem+json", {{"schema", reference("problem")}}}}}};
+  return {{"description", description},
+          {"content", {{"application/problem+json", {{"schema", reference("problem")}}}}}};
 }
 
 Json get(const std::string& id, const std::string& summary, const Json& schema, bool may_miss = false) {
@@ -26,10 +27,12 @@ Json get(const std::string& id, const std::string& summary, const Json& schema, 
 
 /// A small tent of a surface, different for each input, for examples that can be replayed as they stand.
 Json example_surface(double lift) {
-  return {{"type", "TIN"},
-          {"crs", "EPSG:25831"},
-          {"vertices", {{470000, 4380000, lift}, {470100, 4380000, lift + 5}, {470100, 4380100, lift}, {470000, 4380100, lift + 2}}},
-          {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
+  return {
+      {"type", "TIN"},
+      {"crs", "EPSG:25831"},
+      {"vertices",
+       {{470000, 4380000, lift}, {470100, 4380000, lift + 5}, {470100, 4380100, lift}, {470000, 4380100, lift + 2}}},
+      {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
 }
 
 /// An ESRI ASCII grid, for operations that take nothing but rasters.
@@ -89,7 +92,9 @@ Json form_schema(const Operation& operation) {
 
 Json query_parameters(const Operation& operation) {
   Json list = Json::array();
-  list.push_back({{"name", "f"}, {"in", "query"}, {"description", "The format of the result; goes before Accept."},
+  list.push_back({{"name", "f"},
+                  {"in", "query"},
+                  {"description", "The format of the result; goes before Accept."},
                   {"schema", {{"type", "string"}, {"enum", operation.output_formats}}}});
   for (const auto* parameters : {&operation.parameters, &common_parameters()})
     for (const Parameter& p : *parameters)
@@ -103,44 +108,59 @@ Json execution(const Operation& operation) {
     const std::string type = media_type_of(word);
     content[type] = {{"schema", word == "json" ? Json{{"type", "object"}} : Json{{"type", "string"}}}};
   }
-  return {{"post",
-           {{"operationId", "execute-" + operation.id},
-            {"summary", operation.title},
-            {"description", operation.description},
-            {"tags", {"operations"}},
-            {"parameters", query_parameters(operation)},
-            {"requestBody",
-             {{"required", true},
-              {"content",
-               {{"multipart/form-data", {{"schema", form_schema(operation)}}},
-                {"application/json",
-                 {{"schema", json_body_schema(operation)}, {"example", example_inputs(operation)}}}}}}},
-            {"responses",
-             {{"200",
-               {{"description", "The result."},
-                {"headers",
-                 {{"Terrane-Warnings", {{"description", "How many warnings the certificate holds."}, {"schema", {{"type", "integer"}}}}},
-                  {"Link", {{"description", "rel=describedby: the certificate."}, {"schema", {{"type", "string"}}}}}}},
-                {"content", content}}},
-              {"400", problem_response("The request is not understood: parameters, inputs or format.")},
-              {"406", problem_response("No media type that is accepted can be returned.")},
-              {"413", problem_response("Larger than the limits.")},
-              {"415", problem_response("An input is in a format that is not read.")},
-              {"422", problem_response("An input cannot be worked on; the message names the element and the remedy.")},
-              {"503", problem_response("Busy: Retry-After says when to come again.")}}}}}};
+  return {
+      {"post",
+       {{"operationId", "execute-" + operation.id},
+        {"summary", operation.title},
+        {"description", operation.description},
+        {"tags", {"operations"}},
+        {"parameters", query_parameters(operation)},
+        {"requestBody",
+         {{"required", true},
+          {"content",
+           {{"multipart/form-data", {{"schema", form_schema(operation)}}},
+            {"application/json", {{"schema", json_body_schema(operation)}, {"example", example_inputs(operation)}}}}}}},
+        {"responses",
+         {{"200",
+           {{"description", "The result."},
+            {"headers",
+             {{"Terrane-Warnings",
+               {{"description", "How many warnings the certificate holds."}, {"schema", {{"type", "integer"}}}}},
+              {"Link", {{"description", "rel=describedby: the certificate."}, {"schema", {{"type", "string"}}}}}}},
+            {"content", content}}},
+          {"400", problem_response("The request is not understood: parameters, inputs or format.")},
+          {"406", problem_response("No media type that is accepted can be returned.")},
+          {"413", problem_response("Larger than the limits.")},
+          {"415", problem_response("An input is in a format that is not read.")},
+          {"422", problem_response("An input cannot be worked on; the message names the element and the remedy.")},
+          {"503", problem_response("Busy: Retry-After says when to come again.")}}}}}};
 }
 
 Json schemas() {
   const Json text = {{"type", "string"}}, object = {{"type", "object"}};
-  return {{"problem",
-           {{"type", "object"},
-            {"description", "RFC 7807."},
-            {"required", {"type", "title", "status", "detail"}},
-            {"properties", {{"type", text}, {"title", text}, {"status", {{"type", "integer"}}}, {"detail", text}}}}},
-          {"process", {{"type", "object"}, {"required", {"id", "version", "inputs", "outputs"}}, {"description", "OGC API - Processes, process.yaml."}}},
-          {"processList", {{"type", "object"}, {"required", {"processes", "links"}}, {"properties", {{"processes", {{"type", "array"}, {"items", object}}}, {"links", {{"type", "array"}, {"items", object}}}}}}},
-          {"landingPage", {{"type", "object"}, {"required", {"links"}}, {"properties", {{"links", {{"type", "array"}, {"items", object}}}}}}},
-          {"confClasses", {{"type", "object"}, {"required", {"conformsTo"}}, {"properties", {{"conformsTo", {{"type", "array"}, {"items", text}}}}}}}};
+  return {
+      {"problem",
+       {{"type", "object"},
+        {"description", "RFC 7807."},
+        {"required", {"type", "title", "status", "detail"}},
+        {"properties", {{"type", text}, {"title", text}, {"status", {{"type", "integer"}}}, {"detail", text}}}}},
+      {"process",
+       {{"type", "object"},
+        {"required", {"id", "version", "inputs", "outputs"}},
+        {"description", "OGC API - Processes, process.yaml."}}},
+      {"processList",
+       {{"type", "object"},
+        {"required", {"processes", "links"}},
+        {"properties",
+         {{"processes", {{"type", "array"}, {"items", object}}}, {"links", {{"type", "array"}, {"items", object}}}}}}},
+      {"landingPage",
+       {{"type", "object"},
+        {"required", {"links"}},
+        {"properties", {{"links", {{"type", "array"}, {"items", object}}}}}}},
+      {"confClasses",
+       {{"type", "object"},
+        {"required", {"conformsTo"}},
+        {"properties", {{"conformsTo", {{"type", "array"}, {"items", text}}}}}}}};
 }
 
 }  // namespace
@@ -153,10 +173,12 @@ nlohmann::json openapi() {
                 {"/openapi.json", get("openapi", "This document.", {{"type", "object"}})}};
   Json ids = Json::array();
   for (const Operation& operation : catalogue()) ids.push_back(operation.id);
-  paths["/processes/{id}"] = get("process", "One operation: its inputs, parameters and outputs.", reference("process"), true);
+  paths["/processes/{id}"] =
+      get("process", "One operation: its inputs, parameters and outputs.", reference("process"), true);
   paths["/processes/{id}"]["parameters"] = {
       {{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}, {"enum", ids}}}}};
-  for (const Operation& operation : catalogue()) paths["/processes/" + operation.id + "/execution"] = execution(operation);
+  for (const Operation& operation : catalogue())
+    paths["/processes/" + operation.id + "/execution"] = execution(operation);
   return {{"openapi", "3.1.0"},
           {"info",
            {{"title", "Terrane"},

@@ -17,7 +17,15 @@
 namespace terrane {
 
 struct Parameter {
-  enum class Type { number, integer, boolean, choice, text, crs, length };  // length: a number with an optional m, ft, ftUS
+  enum class Type {
+    number,
+    integer,
+    boolean,
+    choice,
+    text,
+    crs,
+    length
+  };  // length: a number with an optional m, ft, ftUS
   std::string name;  // kebab-case
   Type type = Type::text;
   nlohmann::json default_value;  // null: no default, absent means not asked for
@@ -30,7 +38,7 @@ struct Parameter {
 struct InputSlot {
   std::string name = {};
   int min_occurs = 1, max_occurs = 1;  // max_occurs 0: any number
-  bool takes_number = false;           // a level may stand in for a surface
+  bool takes_number = false;  // a level may stand in for a surface
   std::string sentence = {};
 };
 
@@ -40,7 +48,7 @@ struct Surface {
   std::variant<Tin, Raster, double> value;  // in `run` never a Raster: the frame has triangulated it
   Crs crs;
   nlohmann::json source;  // what a raster was before it was triangulated, for `info`; null for a TIN
-  double max_error = 0;   // of the triangulation, measured over every sample in the result's CRS
+  double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS
 
   bool level() const { return std::holds_alternative<double>(value); }
   const Tin& tin() const { return std::get<Tin>(value); }
@@ -53,8 +61,8 @@ enum class ResultKind { surface, report, table, picture };  // table: a report t
 
 /// How inputs are brought into the common frame before `run`.
 struct Intake {
-  bool check = true;         // mended and refused as the contract says; false: taken as it is (info, validate, convert)
-  bool join_rasters = false; // rasters on one lattice are joined before they are triangulated
+  bool check = true;  // mended and refused as the contract says; false: taken as it is (info, validate, convert)
+  bool join_rasters = false;  // rasters on one lattice are joined before they are triangulated
   bool empty_allowed = false;
   bool raster_only = false;
 };

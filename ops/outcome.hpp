@@ -27,10 +27,10 @@ using HeightFold = std::function<std::optional<HeightRange>(const std::vector<st
 /// What an operation's run returns.
 struct Outcome {
   std::variant<Tin, Picture, nlohmann::json> result;
-  std::string csv;                                  // the report as a table, where the operation has one
+  std::string csv;  // the report as a table, where the operation has one
   std::optional<RoundingReport> rounding;
-  HeightFold expected_height;                       // null: nothing to check heights against
-  std::optional<double> expected_area;              // of the result in plan, in squared CRS units
+  HeightFold expected_height;  // null: nothing to check heights against
+  std::optional<double> expected_area;  // of the result in plan, in squared CRS units
   nlohmann::json certificate = nlohmann::json::object();  // joins the certificate: "seams"
   bool verify = true;  // false: returned whatever its topology is (convert)
 };

@@ -49,7 +49,9 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-double Length::in(double metres_per_unit) const { return unit.empty() ? value : value * metres(unit) / metres_per_unit; }
+double Length::in(double metres_per_unit) const {
+  return unit.empty() ? value : value * metres(unit) / metres_per_unit;
+}
 
 Length Length::parse(std::string_view text, const std::string& parameter) {
   std::string_view number = trimmed(text);
@@ -67,7 +69,9 @@ Length Length::parse(std::string_view text, const std::string& parameter) {
   return {*value, unit};
 }
 
-nlohmann::json Length::json() const { return unit.empty() ? nlohmann::json(value) : nlohmann::json(shortest(value) + unit); }
+nlohmann::json Length::json() const {
+  return unit.empty() ? nlohmann::json(value) : nlohmann::json(shortest(value) + unit);
+}
 
 Length Length::of(const nlohmann::json& value) {
   return value.is_string() ? parse(value.get_ref<const std::string&>(), "length") : Length{value.get<double>(), ""};
@@ -105,8 +109,7 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
       return value.json();
     }
     case Parameter::Type::crs:
-    case Parameter::Type::text:
-      return std::string(trimmed(text));
+    case Parameter::Type::text: return std::string(trimmed(text));
   }
   return nullptr;
 }
@@ -120,7 +123,8 @@ std::vector<CrsRule> parse_crs_rules(std::string_view text, const std::vector<st
     if (word.empty()) continue;
     CrsRule rule;
     for (const std::string& name : names)  // the longest name wins: "a.tif" before "a"
-      if (name.size() > rule.input.size() && word.size() > name.size() && word.starts_with(name) && word[name.size()] == ':')
+      if (name.size() > rule.input.size() && word.size() > name.size() && word.starts_with(name) &&
+          word[name.size()] == ':')
         rule.input = name;
     rule.crs = trimmed(word.substr(rule.input.empty() ? 0 : rule.input.size() + 1));
     rules.push_back(std::move(rule));
@@ -142,8 +146,14 @@ void Fields::number(const char* name, double& field, Bounds bounds, const char* 
 
 void Fields::integer(const char* name, std::optional<long>& field, Bounds bounds, const char* sentence) {
   if (described_)
-    describe({name, Parameter::Type::integer, field ? nlohmann::json(*field) : nlohmann::json(), bounds.minimum,
-              bounds.maximum, {}, "", sentence});
+    describe({name,
+              Parameter::Type::integer,
+              field ? nlohmann::json(*field) : nlohmann::json(),
+              bounds.minimum,
+              bounds.maximum,
+              {},
+              "",
+              sentence});
   else if (const auto* value = find(name))
     field = value->get<long>();
 }
@@ -170,7 +180,14 @@ void Fields::length(const char* name, Length& field, Bounds bounds, const char* 
 
 void Fields::text(const char* name, std::string& field, const char* sentence) {
   if (described_)
-    describe({name, Parameter::Type::text, field.empty() ? nlohmann::json() : nlohmann::json(field), {}, {}, {}, "", sentence});
+    describe({name,
+              Parameter::Type::text,
+              field.empty() ? nlohmann::json() : nlohmann::json(field),
+              {},
+              {},
+              {},
+              "",
+              sentence});
   else if (const auto* value = find(name))
     field = value->get<std::string>();
 }
@@ -186,9 +203,10 @@ void CommonParameters::visit(Fields& f) {
   f.length("max-error", max_error, {.minimum = 0},
            "How far (vertically) the TIN made of a raster may lie from any of its samples, in the result's CRS; "
            "0 makes every sample a vertex.");
-  f.crs("assume-crs", assume_crs,
-        "The CRS of inputs that have none: EPSG:25831, WKT, PROJJSON, local:m, local:ft or local:ftUS; INPUT:CRS for one "
-        "input, several separated by semicolons.");
+  f.crs(
+      "assume-crs", assume_crs,
+      "The CRS of inputs that have none: EPSG:25831, WKT, PROJJSON, local:m, local:ft or local:ftUS; INPUT:CRS for one "
+      "input, several separated by semicolons.");
   f.crs("crs", crs, "The CRS of the inputs whatever they say themselves; written like assume-crs.");
   f.crs("target-crs", target_crs, "The CRS of the result, to which inputs in others are transformed.");
   f.text("format", format, "The format of the output where its name does not tell.");

@@ -12,7 +12,8 @@
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
 
-// Each operation declares a struct of parameters with one function that visits them; describing, parsing and filling all
+// Each operation declares a struct of parameters with one function that visits them; describing, parsing and filling
+// all
 // come from that visit, so nothing is said twice.
 namespace terrane {
 
@@ -48,7 +49,8 @@ class Fields {
   void crs(const char* name, std::string& field, const char* sentence);
 
   template <class E>
-  void choice(const char* name, E& field, std::initializer_list<std::pair<const char*, E>> words, const char* sentence) {
+  void choice(const char* name, E& field, std::initializer_list<std::pair<const char*, E>> words,
+              const char* sentence) {
     if (described_) {
       Parameter p{name, Parameter::Type::choice, nullptr, {}, {}, {}, "", sentence};
       for (const auto& [word, value] : words) {

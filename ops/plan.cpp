@@ -36,8 +36,8 @@ std::vector<std::string> input_names(const Request& request, const Operation& op
 
 void check_crs(const std::string& name, const std::string& text, const Request& request, const Operation& operation) {
   const bool per_input = name == "crs" || name == "assume-crs";
-  const auto rules = per_input ? parse_crs_rules(text, input_names(request, operation))
-                               : std::vector<CrsRule>{{"", text}};
+  const auto rules =
+      per_input ? parse_crs_rules(text, input_names(request, operation)) : std::vector<CrsRule>{{"", text}};
   for (const CrsRule& rule : rules) try {
       Crs::parse(rule.crs);
     } catch (const Error& error) {
@@ -77,8 +77,9 @@ void check_inputs(const Request& request, const Operation& operation) {
   for (const InputSlot& slot : operation.inputs) names.push_back(slot.name);
   for (const InputPart& part : request.inputs)
     if (std::find(names.begin(), names.end(), part.slot) == names.end())
-      throw Error(ErrorKind::usage, "unknown-input",
-                  "'" + operation.id + "' has no input '" + part.slot.substr(0, 80) + "'; its inputs are " + joined(names));
+      throw Error(
+          ErrorKind::usage, "unknown-input",
+          "'" + operation.id + "' has no input '" + part.slot.substr(0, 80) + "'; its inputs are " + joined(names));
   for (const InputSlot& slot : operation.inputs) {
     const auto count = std::count_if(request.inputs.begin(), request.inputs.end(),
                                      [&](const InputPart& part) { return part.slot == slot.name; });

@@ -17,7 +17,9 @@ std::string type_word(const Parameter& p) {
     case Parameter::Type::choice:
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
-  const auto number = [](double v) { return v == static_cast<long>(v) ? std::to_string(static_cast<long>(v)) : nlohmann::json(v).dump(); };
+  const auto number = [](double v) {
+    return v == static_cast<long>(v) ? std::to_string(static_cast<long>(v)) : nlohmann::json(v).dump();
+  };
   if (p.minimum) text.append(", from ").append(number(*p.minimum));
   if (p.maximum) text.append(" up to ").append(number(*p.maximum));
   return text;
@@ -26,7 +28,8 @@ std::string type_word(const Parameter& p) {
 std::string default_word(const Parameter& p) {
   if (p.default_value.is_null()) return "–";
   std::string text = "`";
-  return text.append(p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump()).append("`");
+  return text.append(p.default_value.is_string() ? p.default_value.get<std::string>() : p.default_value.dump())
+      .append("`");
 }
 
 std::string parameter_table(const std::vector<Parameter>& parameters) {
@@ -66,7 +69,8 @@ std::string section(const Operation& operation) {
 }
 
 std::string format_table() {
-  std::string text = "## Formats\n\n| format | file names | media type | read | written | |\n|---|---|---|---|---|---|\n";
+  std::string text =
+      "## Formats\n\n| format | file names | media type | read | written | |\n|---|---|---|---|---|---|\n";
   for (const Format& f : formats()) {
     std::string extensions;
     for (const std::string& e : f.extensions) extensions += (extensions.empty() ? "`" : ", `") + e + "`";
@@ -76,22 +80,29 @@ std::string format_table() {
   return text;
 }
 
-const char* const notes = R"(A raster is accepted wherever a TIN is: it is triangulated within `max-error`, and its cell centres are its domain. Lengths are
-in the units of the CRS, or carry one of the units `m`, `ft`, `ftUS`. On the command line a parameter is `--name VALUE` or
+const char* const notes =
+    R"(A raster is accepted wherever a TIN is: it is triangulated within `max-error`, and its cell centres are its
+  domain. Lengths are
+in the units of the CRS, or carry one of the units `m`, `ft`, `ftUS`. On the command line a parameter is `--name
+VALUE` or
 `--name=VALUE`; over HTTP it is a query parameter, a form field, or stands among the `inputs` of a JSON execute request.
 
 Choices that are made here where others are possible:
 
-- A CRS that is given for one input is written INPUT:CRS, with the input's name or its file name; several are separated by `;`.
+- A CRS that is given for one input is written INPUT:CRS, with the input's name or its file name; several are
+  separated by `;`.
 - Without a CRS in any input all are in one local frame in metres. Inputs with a CRS and inputs without never mix.
 - Areas and volumes are in squared and cubed CRS units where plan and height have the same unit, in m² and m³ otherwise.
-  In geographic CRSs they are those on the ellipsoid. `area_balance` in the certificate is about the mesh and stays in squared
+  In geographic CRSs they are those on the ellipsoid. `area_balance` in the certificate is about the mesh and stays in
+  squared
   CRS units, degrees included.
-- In geographic CRSs several tiles are laid beside each other by whole turns of 360° before anything else; one tile alone stays
+- In geographic CRSs several tiles are laid beside each other by whole turns of 360° before anything else; one tile
+  alone stays
   where it is.
 - `volume` takes `levels` instead of a reference, a row each; the sides are then called above and below.
 - `validate` with `repair` keeps the earlier faces where faces overlap, in an order taken from their connection.
-- Numbers in coordinates that all lie within 360 by 90 in a projected CRS are suspected to be degrees: refused where other inputs
+- Numbers in coordinates that all lie within 360 by 90 in a projected CRS are suspected to be degrees: refused where
+  other inputs
   of the same request are clearly not, a warning otherwise.
 
 )";

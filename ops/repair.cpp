@@ -65,10 +65,11 @@ void drop_unused_vertices(Tin& tin) {
   tin.vertices = std::move(kept);
 }
 
-/// A sheet whose faces do not overlap may still have two heights at a place, or a wall that three faces share: it is halved
+/// A sheet whose faces do not overlap may still have two heights at a place, or a wall that three faces share: it is
+/// halved
 /// along its order until its parts are sound.
-void lay(const Tin& tin, const std::vector<Index>& faces, const std::string& name, std::vector<Tin>& sheets, Mending& mended,
-         Context& context) {
+void lay(const Tin& tin, const std::vector<Index>& faces, const std::string& name, std::vector<Tin>& sheets,
+         Mending& mended, Context& context) {
   context.progress("repair", 0.5);
   Tin piece{tin.vertices, {}};
   for (Index f : faces) piece.faces.push_back(tin.faces[f]);
@@ -106,7 +107,8 @@ class Sheets {
 
  private:
   std::array<Point2, 3> triangle(Index f) const {
-    return {plan(tin_.vertices[tin_.faces[f][0]]), plan(tin_.vertices[tin_.faces[f][1]]), plan(tin_.vertices[tin_.faces[f][2]])};
+    return {plan(tin_.vertices[tin_.faces[f][0]]), plan(tin_.vertices[tin_.faces[f][1]]),
+            plan(tin_.vertices[tin_.faces[f][2]])};
   }
   template <class Visit>
   void cells(const std::array<Point2, 3>& t, Visit visit) const {

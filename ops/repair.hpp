@@ -15,9 +15,12 @@ struct Repaired {
   nlohmann::json changes;  // counts by kind
 };
 
-/// A valid TIN of one that is not. Harmless defects are mended as for every operation. Faces with corners that are missing
-/// or not finite go. Where faces overlap or a place has two heights, faces are laid into sheets that are each free of it,
-/// in their order, and the sheets are merged, the earlier one on top. Throws Error{input} when nothing sound is left of a
+/// A valid TIN of one that is not. Harmless defects are mended as for every operation. Faces with corners that are
+/// missing
+/// or not finite go. Where faces overlap or a place has two heights, faces are laid into sheets that are each free of
+/// it,
+/// in their order, and the sheets are merged, the earlier one on top. Throws Error{input} when nothing sound is left
+/// of a
 /// TIN that had faces.
 Repaired repair(Tin tin, const std::string& name, Context& context);
 

@@ -18,8 +18,8 @@ struct Operation;
 
 /// One input as it arrived: bytes, or a number ("12.5", a level) where the operation takes one.
 struct InputPart {
-  std::string slot;        // which input of the operation: "minuend", "tiles"
-  std::string name;        // file name without folders, for messages and the certificate
+  std::string slot;  // which input of the operation: "minuend", "tiles"
+  std::string name;  // file name without folders, for messages and the certificate
   std::string media_type;  // as declared, or empty
   std::string bytes;
 };
@@ -27,11 +27,11 @@ struct InputPart {
 /// A request as a door understood it; nothing is checked yet.
 struct Request {
   std::string operation;
-  std::vector<InputPart> inputs;                                // in the order given
+  std::vector<InputPart> inputs;  // in the order given
   std::vector<std::pair<std::string, std::string>> parameters;  // kebab-case name, text; a name may occur once
-  std::string format;            // `f` / `--format`; empty: let accept, output name or the operation's default decide
+  std::string format;  // `f` / `--format`; empty: let accept, output name or the operation's default decide
   std::vector<std::string> accept;  // media types in order of preference; empty: anything
-  std::string output_name;       // "-o" on the command line, whose extension decides the format when `format` is empty
+  std::string output_name;  // "-o" on the command line, whose extension decides the format when `format` is empty
 };
 
 /// A request with every complaint made that can be made before an input is decoded: parameters parsed and in range,
@@ -45,9 +45,9 @@ struct Plan {
 
 struct Response {
   std::string media_type;
-  std::string file_name;   // "merge.obj", for Content-Disposition
+  std::string file_name;  // "merge.obj", for Content-Disposition
   std::string body;
-  nlohmann::json report;   // the certificate (or the volume report, ...); the same whatever the door
+  nlohmann::json report;  // the certificate (or the volume report, ...); the same whatever the door
   std::vector<Warning> warnings;
 };
 

@@ -101,7 +101,8 @@ bool covered(const Edge& e, double t, std::size_t self, const std::vector<Tile>&
     if (j == self || apart(tiles[j].box, {middle.x, middle.y, middle.x, middle.y})) continue;
     bool shared = false, taken = false;
     for (const Along& along : e.along)
-      if (along.tile == j && along.t0 <= t && t <= along.t1) shared = true, taken = taken || !along.same_way || j < self;
+      if (along.tile == j && along.t0 <= t && t <= along.t1)
+        shared = true, taken = taken || !along.same_way || j < self;
     if (shared ? taken : tiles[j].field->at(middle, 0).found) return true;
   }
   return false;
@@ -109,10 +110,10 @@ bool covered(const Edge& e, double t, std::size_t self, const std::vector<Tile>&
 
 }  // namespace
 
-double union_area(const std::vector<Tin>& tins, Context& context) {
+double union_area(const std::vector<const Tin*>& tins, Context& context) {
   std::vector<Tile> tiles;
-  for (const Tin& tin : tins)
-    if (!tin.faces.empty()) tiles.push_back(tile_of(tin));
+  for (const Tin* tin : tins)
+    if (!tin->faces.empty()) tiles.push_back(tile_of(*tin));
   for (std::size_t i = 0; i < tiles.size(); ++i)
     for (std::size_t j = i + 1; j < tiles.size(); ++j)
       if (!apart(tiles[i].box, tiles[j].box)) cut_each_other(tiles[i], tiles[j], i, j);

@@ -10,7 +10,8 @@ namespace {
 /// Areas and volumes in the report's units.
 void scale_figures(Volume& v, double area, double volume) {
   for (VolumeSide* side : {&v.fill, &v.cut}) side->volume *= volume, side->area_2d *= area, side->area_3d *= area;
-  for (double* a : {&v.same_area_2d, &v.same_area_3d, &v.overlap_area_2d, &v.surface_only_area_2d, &v.reference_only_area_2d})
+  for (double* a :
+       {&v.same_area_2d, &v.same_area_3d, &v.overlap_area_2d, &v.surface_only_area_2d, &v.reference_only_area_2d})
     *a *= area;
   v.net *= volume;
   v.identity_residual *= volume;
@@ -21,7 +22,8 @@ nlohmann::json side_json(const VolumeSide& side) {
 }
 
 Point2 middle(const Box& a, const Box& b) {
-  return {(std::max(a.xmin, b.xmin) + std::min(a.xmax, b.xmax)) / 2, (std::max(a.ymin, b.ymin) + std::min(a.ymax, b.ymax)) / 2};
+  return {(std::max(a.xmin, b.xmin) + std::min(a.xmax, b.xmax)) / 2,
+          (std::max(a.ymin, b.ymin) + std::min(a.ymax, b.ymax)) / 2};
 }
 
 std::string text(double value) { return nlohmann::json(value).dump(); }
@@ -121,7 +123,8 @@ nlohmann::json VolumeReport::json() const {
           {"surface", surface_.name},
           {"reference", reference_},
           {"crs", surface_.crs.known() ? surface_.crs.id() : ""},
-          {"units", {{"length", units_.length}, {"height", units_.height}, {"area", units_.area}, {"volume", units_.volume}}},
+          {"units",
+           {{"length", units_.length}, {"height", units_.height}, {"area", units_.area}, {"volume", units_.volume}}},
           {"tolerance", options_.tolerance},
           {"rows", rows},
           {"sign", level_ ? "net = above - below" : "net = fill - cut; fill: surface above reference"},
@@ -133,8 +136,10 @@ std::string VolumeReport::csv() const {
   std::string table = "region,level";
   for (const std::string& side : {up, down})
     for (const char* figure : {"volume", "area_2d", "area_3d", "max_dz"}) table += "," + side + "_" + figure;
-  table += ",same_area_2d,same_area_3d,net_volume,adjusted_net_volume,ellipsoidal_" + down + "_volume,ellipsoidal_" + up +
-           "_volume,ellipsoidal_net_volume,combined_scale_factor,overlap_area_2d,surface_only_area_2d,reference_only_area_2d\n";
+  table += ",same_area_2d,same_area_3d,net_volume,adjusted_net_volume,ellipsoidal_" + down + "_volume,ellipsoidal_" +
+           up +
+           "_volume,ellipsoidal_net_volume,combined_scale_factor,overlap_area_2d,surface_only_area_2d,reference_only_"
+           "area_2d\n";
   const auto cell = [&](double figure) { table.append(",").append(text(figure)); };
   for (const Row& row : rows_) {
     const Volume& v = row.grid;
@@ -145,7 +150,8 @@ std::string VolumeReport::csv() const {
                           v.fill.volume * options_.fill_factor - v.cut.volume * options_.cut_factor})
       cell(figure);
     if (row.ellipsoidal)
-      for (double figure : {row.ellipsoidal->cut.volume, row.ellipsoidal->fill.volume, row.ellipsoidal->net}) cell(figure);
+      for (double figure : {row.ellipsoidal->cut.volume, row.ellipsoidal->fill.volume, row.ellipsoidal->net})
+        cell(figure);
     else
       table += ",,,";
     for (double figure : {row.scale_factor, v.overlap_area_2d, v.surface_only_area_2d, v.reference_only_area_2d})

@@ -33,7 +33,7 @@ class VolumeReport {
  private:
   struct Row {
     std::optional<double> level;
-    Volume grid;                        // in the report's units
+    Volume grid;  // in the report's units
     std::optional<Volume> ellipsoidal;  // none for local frames
     double scale_factor = 1;
   };

@@ -45,7 +45,8 @@ TEST(Catalogue, EveryOperationIsDescribedOnce) {
     for (const InputSlot& slot : operation.inputs)
       EXPECT_TRUE(names.insert(slot.name).second) << "an input and a parameter share the name " << slot.name;
   }
-  for (const char* id : {"triangulate", "add", "subtract", "merge", "volume", "validate", "info", "convert", "transform", "render"})
+  for (const char* id :
+       {"triangulate", "add", "subtract", "merge", "volume", "validate", "info", "convert", "transform", "render"})
     EXPECT_TRUE(ids.contains(id)) << id;
 }
 

@@ -29,7 +29,9 @@ Error refusal(Request r) {
   return {ErrorKind::internal, "not-refused", ""};
 }
 
-bool says(const Error& error, std::string_view text) { return std::string_view(error.what()).find(text) != std::string_view::npos; }
+bool says(const Error& error, std::string_view text) {
+  return std::string_view(error.what()).find(text) != std::string_view::npos;
+}
 
 }  // namespace
 

@@ -13,13 +13,16 @@ Tin rectangle(double xmin, double ymin, double xmax, double ymax) {
 
 double area_of(std::vector<Tin> tiles) {
   Context context;
-  return union_area(tiles, context);
+  std::vector<const Tin*> pointers;
+  for (const Tin& tin : tiles) pointers.push_back(&tin);
+  return union_area(pointers, context);
 }
 
 }  // namespace
 
 TEST(UnionArea, ThreeTilesOverOnePlaceCountOnce) {
-  EXPECT_DOUBLE_EQ(area_of({rectangle(0, 0, 4, 4), rectangle(2, 2, 6, 6), rectangle(1, 1, 5, 5)}), 16 + 16 + 16 - 9 - 9 - 4 + 4);
+  EXPECT_DOUBLE_EQ(area_of({rectangle(0, 0, 4, 4), rectangle(2, 2, 6, 6), rectangle(1, 1, 5, 5)}),
+                   16 + 16 + 16 - 9 - 9 - 4 + 4);
 }
 
 TEST(UnionArea, SharedBordersCancelAndCopiesCountOnce) {
