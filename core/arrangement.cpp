@@ -10,7 +10,8 @@
 namespace terrane {
 namespace {
 
-bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear points: does from -> to run as start -> end?
+bool ahead(Point2 from, Point2 to, Point2 start,
+           Point2 end) {  // of collinear points: does from -> to run as start -> end?
   if (start.x != end.x) return (to.x > from.x) == (end.x > start.x);
   return (to.y > from.y) == (end.y > start.y);
 }
@@ -18,7 +19,8 @@ bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear 
 }  // namespace
 
 Arrangement::Arrangement(const CompletedMesh& a, const CompletedMesh& b, std::vector<Location> b_in_a, Context& context)
-    : mesh_{&a, &b}, base_{0, static_cast<Index>(a.places.size()), static_cast<Index>(a.places.size() + b.places.size())} {
+    : mesh_{&a, &b},
+      base_{0, static_cast<Index>(a.places.size()), static_cast<Index>(a.places.size() + b.places.size())} {
   location_[1] = std::move(b_in_a);
   std::vector<Index> partner(a.places.size(), none);  // place of B on a place of A
   vertex_of_b_.resize(b.places.size());
@@ -55,7 +57,8 @@ void Arrangement::walk_edges(Context& context) {
     chains_[0].first.push_back(static_cast<Index>(chains_[0].nodes.size()));
     walk_edge(e);
     if (base_[2] + crossings_.size() > 0x3FFFFFFF)
-      throw Error(ErrorKind::limit, "too-many-crossings", "the surfaces cross each other more often than 32-bit indices can number");
+      throw Error(ErrorKind::limit, "too-many-crossings",
+                  "the surfaces cross each other more often than 32-bit indices can number");
   }
   chains_[0].first.push_back(static_cast<Index>(chains_[0].nodes.size()));
 }
@@ -70,10 +73,13 @@ void Arrangement::walk_edge(Index e) {
   const auto side = [&](Index place) { return area2_accurate(U, W, b.at(place)); };
   const auto ends_in = [&](Index face) {
     switch (to.kind) {
-      case Location::face: return to.index == face;
-      case Location::edge: return (to.index >> 2) == face || (b.twin[to.index] != none && (b.twin[to.index] >> 2) == face);
+      case Location::face:
+        return to.index == face;
+      case Location::edge:
+        return (to.index >> 2) == face || (b.twin[to.index] != none && (b.twin[to.index] >> 2) == face);
       case Location::place:
-        return b.corner[4 * face] == to.index || b.corner[4 * face + 1] == to.index || b.corner[4 * face + 2] == to.index;
+        return b.corner[4 * face] == to.index || b.corner[4 * face + 1] == to.index ||
+               b.corner[4 * face + 2] == to.index;
     }
     return false;
   };
@@ -204,7 +210,8 @@ void Arrangement::order_b_chains() {
     for (Index i = begin; i < end; ++i) {
       const Index v = chain.nodes[i];
       const double k = v >= base_[2] ? along_b_[v - base_[2]]
-                                     : by_x ? (a.at(v).x - o.x) / (t.x - o.x) : (a.at(v).y - o.y) / (t.y - o.y);
+                       : by_x        ? (a.at(v).x - o.x) / (t.x - o.x)
+                                     : (a.at(v).y - o.y) / (t.y - o.y);
       keyed.push_back({k, v});
     }
     const auto less = [&](const Keyed& p, const Keyed& q) {

@@ -7,13 +7,13 @@
 #include "core/completed.hpp"
 #include "core/context.hpp"
 
-// The exact combinatorial overlay of two completed meshes: who crosses whom, in which order, and which regions that makes.
-// Nothing here looks at a constructed coordinate.
+// The exact combinatorial overlay of two completed meshes: who crosses whom, in which order, and which regions that
+// makes. Nothing here looks at a constructed coordinate.
 //
-// Notation. Mesh 0 is A, mesh 1 is B. Vertices of the arrangement are numbered: places of A, places of B, crossings; a place
-// of B on a place of A goes by A's number. The nodes of an edge are the vertices strictly inside it, in order along its
-// defining half-edge; they cut it into nodes + 1 pieces. A piece is known by edge, position and direction (0 along the
-// defining half-edge, 1 against it), packed into one number per mesh.
+// Notation. Mesh 0 is A, mesh 1 is B. Vertices of the arrangement are numbered: places of A, places of B, crossings; a
+// place of B on a place of A goes by A's number. The nodes of an edge are the vertices strictly inside it, in order
+// along its defining half-edge; they cut it into nodes + 1 pieces. A piece is known by edge, position and direction (0
+// along the defining half-edge, 1 against it), packed into one number per mesh.
 namespace terrane {
 
 struct Crossing {
@@ -38,10 +38,10 @@ struct Piece {
 
 /// One convex region: its corners counter-clockwise, and the piece that leaves each corner.
 struct Region {
-  Index parent[2];               // faces of the completed meshes
-  std::vector<Index> corners;    // vertices
-  std::vector<bool> flat;        // the corner lies on the line of its neighbours
-  std::vector<Piece> pieces;     // pieces[i] leaves corners[i]
+  Index parent[2];             // faces of the completed meshes
+  std::vector<Index> corners;  // vertices
+  std::vector<bool> flat;      // the corner lies on the line of its neighbours
+  std::vector<Piece> pieces;   // pieces[i] leaves corners[i]
 };
 
 class Arrangement {
@@ -56,7 +56,9 @@ class Arrangement {
   const CompletedMesh& mesh(int m) const { return *mesh_[m]; }
   const std::vector<Crossing>& crossings() const { return crossings_; }
   const Chains& chains(int m) const { return chains_[m]; }
-  const Location& location(int m, Index place) const { return location_[m][place]; }  // of a place of m in the other mesh
+  const Location& location(int m, Index place) const {
+    return location_[m][place];
+  }  // of a place of m in the other mesh
   Index first_crossing() const { return base_[2]; }
   Index vertices() const { return base_[2] + static_cast<Index>(crossings_.size()); }
   /// The arrangement's number of a place of mesh m.
@@ -96,8 +98,9 @@ class Arrangement {
                            : chains_[p.mesh].nodes[chains_[p.mesh].first[p.edge] + p.position - 1];
   }
   Index after(const Piece& p) const {
-    return p.position == chains_[p.mesh].count(p.edge) ? vertex(p.mesh, mesh_[p.mesh]->target(mesh_[p.mesh]->half[p.edge]))
-                                                       : chains_[p.mesh].nodes[chains_[p.mesh].first[p.edge] + p.position];
+    return p.position == chains_[p.mesh].count(p.edge)
+               ? vertex(p.mesh, mesh_[p.mesh]->target(mesh_[p.mesh]->half[p.edge]))
+               : chains_[p.mesh].nodes[chains_[p.mesh].first[p.edge] + p.position];
   }
   /// Packed numbers: unique over both meshes, direction in the lowest bit.
   Index key(const Piece& p) const {
@@ -116,15 +119,15 @@ class Arrangement {
   std::vector<Index> vertex_of_b_;
   Index base_[3];
   std::vector<Crossing> crossings_;
-  std::vector<double> along_b_;       // parameter of a crossing along B's edge, relative error below 1e-12
+  std::vector<double> along_b_;  // parameter of a crossing along B's edge, relative error below 1e-12
   Chains chains_[2];
-  std::vector<Index> position_on_[2]; // of a place of mesh m: its position among the nodes of the other mesh's edge
+  std::vector<Index> position_on_[2];  // of a place of mesh m: its position among the nodes of the other mesh's edge
   Index key_base_[3];
-  std::vector<Index> junction_of_;    // per place number; none for plain vertices
+  std::vector<Index> junction_of_;  // per place number; none for plain vertices
   std::vector<Index> junction_first_;
   std::vector<Index> junction_vertex_;
   std::vector<Spoke> spokes_;
-  std::vector<bool> spoken_for_;      // pieces of B that coincide with one of A
+  std::vector<bool> spoken_for_;  // pieces of B that coincide with one of A
 };
 
 template <class Visitor>

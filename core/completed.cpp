@@ -95,7 +95,8 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
   for (Index k = 0; k < 4; ++k) border.push_back({n + k, n + (k + 1) % 4, none});
   const FilledRegion filled = fill_region(mesh.places, border);
   if (!filled.sound)
-    throw Error(ErrorKind::input, "overlapping-faces", "the border of the surface crosses itself: faces overlap in plan");
+    throw Error(ErrorKind::input, "overlapping-faces",
+                "the border of the surface crosses itself: faces overlap in plan");
   const Index first = mesh.faces();
   for (const Face& f : filled.faces) mesh.corner.insert(mesh.corner.end(), {f[0], f[1], f[2], none});
   mesh.twin.resize(mesh.corner.size(), none);
@@ -166,9 +167,12 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
 
 Index face_at(const CompletedMesh& mesh, Location location) {
   switch (location.kind) {
-    case Location::face: return location.index;
-    case Location::edge: return location.index >> 2;
-    case Location::place: return mesh.out[location.index] >> 2;
+    case Location::face:
+      return location.index;
+    case Location::edge:
+      return location.index >> 2;
+    case Location::place:
+      return mesh.out[location.index] >> 2;
   }
   return 0;
 }

@@ -10,8 +10,9 @@
 namespace terrane {
 
 /// Delaunay triangulation of one convex polygon, given counter-clockwise, whose flat corners (on the line of their
-/// neighbours) are known combinatorially: every face is positive at the exact places, whatever rounding did to the doubles,
-/// and the diagonals are Delaunay on the doubles. Ties go to coordinates, never to numbers. O(k^2) for k corners, k small.
+/// neighbours) are known combinatorially: every face is positive at the exact places, whatever rounding did to the
+/// doubles, and the diagonals are Delaunay on the doubles. Ties go to coordinates, never to numbers. O(k^2) for k
+/// corners, k small.
 template <class PointOf, class Emit>
 class ConvexTriangulator {
  public:

@@ -28,7 +28,8 @@ inline ExactPoint exact_point(const ExactPlace& place, Point2 own) {
   const bool ratio = place.kind == ExactPlace::ratio;
   const ExactPoint from(ratio ? place.p.x : place.r.x, ratio ? place.p.y : place.r.y);
   const ExactPoint to(ratio ? place.q.x : place.s.x, ratio ? place.q.y : place.s.y);
-  return from + (to - from) * (ratio ? Number(place.dp) / (Number(place.dp) - Number(place.dq)) : exact_parameter(place));
+  return from +
+         (to - from) * (ratio ? Number(place.dp) / (Number(place.dp) - Number(place.dq)) : exact_parameter(place));
 }
 
 }  // namespace terrane

@@ -78,12 +78,14 @@ double SurfaceHeights::at_vertex(Index vertex) const {
   if (arrangement_.is_place_of(m_, vertex)) return own(arrangement_.place(m_, vertex));
   const Location& where = arrangement_.location(1 - m_, arrangement_.place(1 - m_, vertex));
   switch (where.kind) {
-    case Location::place: return own(where.index);
+    case Location::place:
+      return own(where.index);
     case Location::edge: {
       const Index h = real_half(mesh_.edge[where.index]);
       return h == none ? outside : on_edge(h, points_[vertex]);
     }
-    case Location::face: break;
+    case Location::face:
+      break;
   }
   return mesh_.real(where.index) ? on_plane(where.index, points_[vertex]) : outside;
 }

@@ -7,8 +7,8 @@
 
 namespace terrane {
 
-/// Heights of one input at the vertices of an arrangement: always convex combinations of its own heights, never extrapolated,
-/// so that a vertex a rounding error outside its face cannot run away on a steep sliver's plane.
+/// Heights of one input at the vertices of an arrangement: always convex combinations of its own heights, never
+/// extrapolated, so that a vertex a rounding error outside its face cannot run away on a steep sliver's plane.
 class SurfaceHeights {
  public:
   SurfaceHeights(const Tin& tin, const Arrangement& arrangement, int m, const std::vector<Point2>& points)

@@ -20,7 +20,7 @@ Number area2(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c) {
 
 class Kinetic {
  public:
-  Kinetic(Mender& mender, const std::function<ExactPlace(Index)>& place) : mender_(mender), place_(place) {}
+  Kinetic(MeshEditor& editor, const std::function<ExactPlace(Index)>& place) : editor_(editor), place_(place) {}
 
   void gather(const std::vector<Index>& bad) {
     std::vector<Index> todo = bad, star;
@@ -28,14 +28,14 @@ class Kinetic {
       const Index f = todo.back();
       todo.pop_back();
       if (sign(f) > 0) continue;
-      for (Index v : mender_.mesh().faces[f]) {
+      for (Index v : editor_.mesh().faces[f]) {
         if (moving_.contains(v)) continue;
         const ExactPlace exact = place_(v);
         if (exact.kind == ExactPlace::input) continue;
-        const ExactPoint p = exact_point(exact, mender_.mesh().points[v]);
+        const ExactPoint p = exact_point(exact, editor_.mesh().points[v]);
         if (p == rounded_point(v)) continue;
         moving_.emplace(v, p);
-        mender_.star(v, star);
+        editor_.star(v, star);
         todo.insert(todo.end(), star.begin(), star.end());
       }
     }
@@ -58,21 +58,21 @@ class Kinetic {
   }
 
  private:
-  bool alive(Index v) const { return mender_.merged_into()[v] == v; }
-  ExactPoint rounded_point(Index v) const { return {mender_.mesh().points[v].x, mender_.mesh().points[v].y}; }
+  bool alive(Index v) const { return editor_.merged_into()[v] == v; }
+  ExactPoint rounded_point(Index v) const { return {editor_.mesh().points[v].x, editor_.mesh().points[v].y}; }
   ExactPoint at(Index v) const {
     const auto found = moving_.find(v);
     return found == moving_.end() ? rounded_point(v) : found->second;
   }
   int sign(Index f) const {
-    const Face& c = mender_.mesh().faces[f];
+    const Face& c = editor_.mesh().faces[f];
     return static_cast<int>(CGAL::orientation(at(c[0]), at(c[1]), at(c[2])));
   }
   bool positive(Index a, Index b, Index c) const { return CGAL::orientation(at(a), at(b), at(c)) == CGAL::POSITIVE; }
 
   /// Straight to the rounded place, or by waypoints within a few ulp of it, seeded by the place itself.
   bool move(Index v) {
-    const Point2 goal = mender_.mesh().points[v];
+    const Point2 goal = editor_.mesh().points[v];
     std::uint64_t bits[2];
     std::memcpy(bits, &goal, sizeof bits);
     std::mt19937_64 dice(bits[0] * 0x9E3779B97F4A7C15ull + bits[1]);
@@ -89,11 +89,12 @@ class Kinetic {
     return !alive(v);
   }
 
-  /// Moves v along a straight line until `target`; false when it must stop before, at a place where all faces are positive.
+  /// Moves v along a straight line until `target`; false when it must stop before, at a place where all faces are
+  /// positive.
   bool leg(Index v, const ExactPoint& target, bool last) {
     std::vector<Index> star, events;
     for (int step = 0; step < 2000; ++step) {
-      mender_.star(v, star);
+      editor_.star(v, star);
       const Number time = first_event(v, target, star, events);
       if (events.empty()) {
         moving_.at(v) = target;
@@ -105,7 +106,7 @@ class Kinetic {
       CGAL::exact(stop);  // folds the expression, which would otherwise grow with every event
       Index meets = none;
       for (Index f : star)
-        for (Index w : mender_.mesh().faces[f])
+        for (Index w : editor_.mesh().faces[f])
           if (w != v && at(w) == stop) meets = w;
       if (meets != none && !(at_end && last)) return false;
       moving_.at(v) = stop;
@@ -118,12 +119,13 @@ class Kinetic {
   }
 
   /// When the first faces of the star become flat on the way to `target`, as a fraction of it; and which.
-  Number first_event(Index v, const ExactPoint& target, const std::vector<Index>& star, std::vector<Index>& events) const {
+  Number first_event(Index v, const ExactPoint& target, const std::vector<Index>& star,
+                     std::vector<Index>& events) const {
     events.clear();
     Number first = 2;
     for (Index f : star) {
-      const Face& c = mender_.mesh().faces[f];
-      const int k = mender_.corner_of(f, v);
+      const Face& c = editor_.mesh().faces[f];
+      const int k = editor_.corner_of(f, v);
       const ExactPoint p = at(c[(k + 1) % 3]), q = at(c[(k + 2) % 3]);
       if (CGAL::orientation(target, p, q) == CGAL::POSITIVE) continue;
       const Number now = area2(at(v), p, q), then = area2(target, p, q);
@@ -138,13 +140,14 @@ class Kinetic {
   /// Flips the edge opposite the middle vertex of one flat face; faces around a vertex that is about to be merged wait.
   bool flip_one(const std::vector<Index>& events, Index meets) {
     for (Index f : events) {
-      const Face c = mender_.mesh().faces[f];
+      const Face c = editor_.mesh().faces[f];
       if (meets != none && (c[0] == meets || c[1] == meets || c[2] == meets)) continue;
       for (int k = 0; k < 3; ++k) {
-        if (!CGAL::collinear_are_strictly_ordered_along_line(at(c[(k + 1) % 3]), at(c[k]), at(c[(k + 2) % 3]))) continue;
-        Mender::Quad quad;
-        if (mender_.quad(f, k, quad) && positive(quad.u, quad.p, quad.w) && positive(quad.u, quad.w, quad.q)) {
-          mender_.flip(f, k, quad);
+        if (!CGAL::collinear_are_strictly_ordered_along_line(at(c[(k + 1) % 3]), at(c[k]), at(c[(k + 2) % 3])))
+          continue;
+        MeshEditor::Quad quad;
+        if (editor_.quad(f, k, quad) && positive(quad.u, quad.p, quad.w) && positive(quad.u, quad.w, quad.q)) {
+          editor_.flip(f, k, quad);
           return true;
         }
       }
@@ -155,22 +158,22 @@ class Kinetic {
   bool merge_into(Index v, Index keep, const std::vector<Index>& star) {
     for (Index f : star)
       for (int k = 0; k < 3; ++k) {
-        const Index p = mender_.mesh().faces[f][(k + 1) % 3], q = mender_.mesh().faces[f][(k + 2) % 3];
-        if ((p == v && q == keep) || (p == keep && q == v)) return mender_.merge(f, k, keep);
+        const Index p = editor_.mesh().faces[f][(k + 1) % 3], q = editor_.mesh().faces[f][(k + 2) % 3];
+        if ((p == v && q == keep) || (p == keep && q == v)) return editor_.merge(f, k, keep);
       }
     return false;
   }
 
-  Mender& mender_;
+  MeshEditor& editor_;
   const std::function<ExactPlace(Index)>& place_;
   std::map<Index, ExactPoint> moving_;
 };
 
 }  // namespace
 
-Index move_kinetically(Mender& mender, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
+Index move_kinetically(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
                        Context& context) {
-  Kinetic kinetic(mender, place);
+  Kinetic kinetic(editor, place);
   kinetic.gather(bad);
   return kinetic.run(context);
 }

@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "core/context.hpp"
-#include "core/mender.hpp"
+#include "core/mesh_editor.hpp"
 
 namespace terrane {
 
-/// Kinetic rounding: puts the constructed vertices of the bad faces (and of every face they then spoil) back at their exact
-/// places, where all faces are positive, and moves them one by one, in the order of their numbers, to their rounded places. The
-/// first face to become flat on the way is an edge flip when its middle vertex lies inside the opposite edge, a merge when two
-/// vertices meet at the end, and a detour by a waypoint when they meet on the way. Event times are rational: nothing is guessed.
-/// Ends: exact places are valid, and a vertex on a segment meets finitely many collinearities. Faces it could not mend stay bad.
-/// Returns the number of vertices moved. About 100 us each.
-Index move_kinetically(Mender& mender, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
+/// Kinetic rounding: puts the constructed vertices of the bad faces (and of every face they then spoil) back at their
+/// exact places, where all faces are positive, and moves them one by one, in the order of their numbers, to their
+/// rounded places. The first face to become flat on the way is an edge flip when its middle vertex lies inside the
+/// opposite edge, a merge when two vertices meet at the end, and a detour by a waypoint when they meet on the way.
+/// Event times are rational: nothing is guessed. Ends: exact places are valid, and a vertex on a segment meets finitely
+/// many collinearities. Faces it could not mend stay bad. Returns the number of vertices moved. About 100 us each.
+Index move_kinetically(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
                        Context& context);
 
 }  // namespace terrane

@@ -30,11 +30,13 @@ bool all_positive(const OverlayFaces& work) {
 }
 
 /// Makes every face positive on its doubles.
-void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2], RoundingReport& report,
-                 Context& context, std::vector<Index>& relabelled) {
+void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2],
+                 RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
   PlanarMesh mesh{std::move(work.points), std::move(work.faces), {}, std::move(work.region_of_face)};
   connect(mesh);
-  const auto place = [&](Index v) { return v < arrangement.first_crossing() ? ExactPlace{} : crossing_place(arrangement, v); };
+  const auto place = [&](Index v) {
+    return v < arrangement.first_crossing() ? ExactPlace{} : crossing_place(arrangement, v);
+  };
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
     for (int m = 0; m < 2; ++m)

@@ -7,7 +7,8 @@
 #include "core/context.hpp"
 #include "core/tin.hpp"
 
-// The common refinement of two TINs in plan: the one place of hard geometry. Everything else folds, filters or integrates it.
+// The common refinement of two TINs in plan: the one place of hard geometry. Everything else folds, filters or
+// integrates it.
 namespace terrane {
 
 enum class Refinement {
@@ -36,9 +37,9 @@ struct RoundingReport {
 };
 
 struct Overlay {
-  std::vector<Point2> points;                  // each place once
-  std::vector<Face> faces;                     // counter-clockwise, all strictly positive; they cover the union of the domains
-  std::vector<std::array<Index, 2>> parents;   // the face of A and of B that a face lies on; `none` outside that domain
+  std::vector<Point2> points;  // each place once
+  std::vector<Face> faces;     // counter-clockwise, all strictly positive; they cover the union of the domains
+  std::vector<std::array<Index, 2>> parents;  // the face of A and of B that a face lies on; `none` outside that domain
   /// Heights of A and B: one per point where the input is continuous, else one per corner (3 * face + corner).
   /// Meaningless where the face has no such parent.
   std::array<std::vector<double>, 2> heights;
@@ -54,13 +55,16 @@ struct Overlay {
 ///  1. Topology is decided by exact predicates on input coordinates; a constructed point never enters a predicate.
 ///  2. Every vertex is made once: a vertex of A, of B, of both, or the crossing of an edge of A and an edge of B.
 ///  3. Vertex on vertex, vertex on edge, collinear overlaps and identical faces are cases, not accidents.
-///  4. Vertices of A and B are returned bit for bit, except those of B snapped within `snap`. Every returned face is strictly
-///     positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap of its parents.
-///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before canonical().
-/// Precondition: both are valid and in canonical order, as checked() returns them (core/validate). Walls are looked through: a vertical face has no area in plan, and heights
-/// are kept per corner where an input jumps. Time and memory grow with input + output.
-/// Throws Error{input, "rounding"} naming the place when the promise cannot be kept.
-/// See Jiao & Heath (2004) for the edge walk, and core/rounding.hpp.
+///  4. Vertices of A and B are returned bit for bit, except those of B snapped within `snap`. Every returned face is
+///  strictly
+///     positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap of its
+///     parents.
+///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before
+///  canonical().
+/// Precondition: both are valid and in canonical order, as checked() returns them (core/validate). Walls are looked
+/// through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time and memory
+/// grow with input + output. Throws Error{input, "rounding"} naming the place when the promise cannot be kept. See Jiao
+/// & Heath (2004) for the edge walk, and core/rounding.hpp.
 Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context);
 
 }  // namespace terrane

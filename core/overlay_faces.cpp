@@ -19,8 +19,11 @@ struct GroupedPiece {
 class FaceBuilder {
  public:
   FaceBuilder(const Arrangement& arrangement, Refinement refinement, bool exactly)
-      : arrangement_(arrangement), paste_(refinement == Refinement::paste), exactly_(exactly),
-        faces_of_a_(arrangement.mesh(0).faces()), exterior_(faces_of_a_ + arrangement.mesh(1).faces()) {
+      : arrangement_(arrangement),
+        paste_(refinement == Refinement::paste),
+        exactly_(exactly),
+        faces_of_a_(arrangement.mesh(0).faces()),
+        exterior_(faces_of_a_ + arrangement.mesh(1).faces()) {
     for (int m = 0; m < 2; ++m) rate_edges(m);
     place_points();
   }
@@ -126,7 +129,8 @@ class FaceBuilder {
     for (std::size_t i = 0; i < grouped_.size();) {
       std::size_t j = i;
       bool only[2] = {true, true};
-      for (; j < grouped_.size() && grouped_[j].group == grouped_[i].group; ++j) only[1 - grouped_[j].piece.mesh] = false;
+      for (; j < grouped_.size() && grouped_[j].group == grouped_[i].group; ++j)
+        only[1 - grouped_[j].piece.mesh] = false;
       const Index group = grouped_[i].group;
       if (group < faces_of_a_ && only[0]) {
         emit_whole(group, 0);
@@ -155,10 +159,12 @@ class FaceBuilder {
     if (!filled.sound)
       filled = fill_region_exactly(
           out_.points,
-          [&](Index v) { return v < arrangement_.first_crossing() ? ExactPlace{} : crossing_place(arrangement_, v); }, border_);
+          [&](Index v) { return v < arrangement_.first_crossing() ? ExactPlace{} : crossing_place(arrangement_, v); },
+          border_);
     if (!filled.sound) throw Error(ErrorKind::internal, "overlay", "a region's border does not close");
     const bool outside = group == exterior_;
-    out_.regions.push_back({group < faces_of_a_ ? group : none, !outside && group >= faces_of_a_ ? group - faces_of_a_ : none});
+    out_.regions.push_back(
+        {group < faces_of_a_ ? group : none, !outside && group >= faces_of_a_ ? group - faces_of_a_ : none});
     if (!outside) out_.region_count += filled.parts;
     for (const Face& f : filled.faces) emit(f[0], f[1], f[2]);
   }
@@ -180,7 +186,8 @@ ExactPlace crossing_place(const Arrangement& arrangement, Index vertex) {
   const Crossing& c = arrangement.crossing(vertex);
   const CompletedMesh &a = arrangement.mesh(0), &b = arrangement.mesh(1);
   const Index ha = a.half[c.edge[0]], hb = b.half[c.edge[1]];
-  ExactPlace place{ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};
+  ExactPlace place{ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)),
+                   b.at(b.target(hb))};
   // Which way an edge happens to be stored must not show in the last bit.
   const auto after = [](Point2 p, Point2 q) { return p.x > q.x || (p.x == q.x && p.y > q.y); };
   if (after(place.p, place.q)) std::swap(place.p, place.q);

@@ -31,8 +31,8 @@ double product_tail(double a, double b, double x) {
 }  // namespace
 
 int orientation_exact(Point2 a, Point2 b, Point2 c) {
-  // Coordinates on a lattice or near each other subtract exactly; then two exact products decide, and exact zeros, which
-  // grids are full of, cost nanoseconds instead of a rational.
+  // Coordinates on a lattice or near each other subtract exactly; then two exact products decide, and exact zeros,
+  // which grids are full of, cost nanoseconds instead of a rational.
   const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
   if (difference_tail(b.x, a.x, ux) == 0 && difference_tail(b.y, a.y, uy) == 0 && difference_tail(c.x, a.x, vx) == 0 &&
       difference_tail(c.y, a.y, vy) == 0) {

@@ -20,14 +20,16 @@ struct Filler {
   struct FaceInfo {
     Index number = none;  // in the result
     bool inside = false;
-    std::array<Index, 3> edge = {none, none, none};  // border edge opposite corner k with the region on this face's side
+    std::array<Index, 3> edge = {none, none,
+                                 none};  // border edge opposite corner k with the region on this face's side
   };
   using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Index, Kernel>;
   using FaceBase =
       CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<FaceInfo, Kernel>>;
   using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-  using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
-      Kernel, Structure, CGAL::No_constraint_intersection_requiring_constructions_tag>;
+  using Triangulation =
+      CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                                 CGAL::No_constraint_intersection_requiring_constructions_tag>;
   using Point = typename Kernel::Point_2;
   using FaceHandle = typename Triangulation::Face_handle;
   using VertexHandle = typename Triangulation::Vertex_handle;
@@ -119,8 +121,9 @@ struct Filler {
       for (int k = 0; k < 3; ++k) {  // the half-edge from corner k to k + 1 is opposite corner k + 2
         const int opposite = (k + 2) % 3;
         const Index edge = f->info().edge[opposite];
-        across[k] = edge != none ? -1 - edge
-                                 : 4 * f->neighbor(opposite)->info().number + (triangulation.mirror_index(f, opposite) + 1) % 3;
+        across[k] = edge != none
+                        ? -1 - edge
+                        : 4 * f->neighbor(opposite)->info().number + (triangulation.mirror_index(f, opposite) + 1) % 3;
       }
       region.across.push_back(across);
     }

@@ -23,11 +23,11 @@ struct FilledRegion {
   /// across[f][k]: what lies beyond the half-edge from corner k to k + 1: another face as 4 * face + its half-edge,
   /// or -1 - i for border edge i.
   std::vector<std::array<Index, 3>> across;
-  Index parts = 0;          // connected components
+  Index parts = 0;  // connected components
 };
 
-/// Constrained Delaunay triangulation of the region to the left of `border`: several components, holes and islands at will.
-/// Exact predicates; no point is ever constructed. O(b log b).
+/// Constrained Delaunay triangulation of the region to the left of `border`: several components, holes and islands at
+/// will. Exact predicates; no point is ever constructed. O(b log b).
 FilledRegion fill_region(std::span<const Point2> points, std::span<const BorderEdge> border);
 
 /// The same, decided at exact places, for regions whose doubles no longer say how they hang together.

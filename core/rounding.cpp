@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/kinetic.hpp"
-#include "core/mender.hpp"
+#include "core/mesh_editor.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
@@ -26,24 +26,24 @@ std::vector<Index> bad_faces(const PlanarMesh& mesh) {
   return bad;
 }
 
-/// The first, fast step: per cluster of bad faces merge vertices with equal doubles and flip the edge opposite the middle
-/// vertex; taken back as a whole when the cluster does not come out valid and near its parents.
+/// The first, fast step: per cluster of bad faces merge vertices with equal doubles and flip the edge opposite the
+/// middle vertex; taken back as a whole when the cluster does not come out valid and near its parents.
 class Greedy {
  public:
-  Greedy(Mender& mender, const std::function<ExactPlace(Index)>& place, const std::function<double(Index, Point2)>& distance,
-         double bound)
-      : mender_(mender), place_(place), distance_(distance), bound_(bound) {}
+  Greedy(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
+         const std::function<double(Index, Point2)>& distance, double bound)
+      : editor_(editor), place_(place), distance_(distance), bound_(bound) {}
 
   /// Returns the faces of the clusters it could not mend.
   std::vector<Index> run(const std::vector<Index>& bad) {
-    std::vector<bool> seen(mender_.mesh().faces.size());
+    std::vector<bool> seen(editor_.mesh().faces.size());
     std::vector<Index> left;
     for (Index f : bad) {
-      if (seen[f] || !mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
+      if (seen[f] || !editor_.alive(f) || sign_of(editor_.mesh(), f) > 0) continue;
       const std::vector<Index> cluster = collect(f, seen);
-      const Mender::Mark mark = mender_.mark();
+      const MeshEditor::Mark mark = editor_.mark();
       if (mend(cluster, mark)) continue;
-      mender_.undo(mark);
+      editor_.undo(mark);
       left.insert(left.end(), cluster.begin(), cluster.end());
     }
     return left;
@@ -54,50 +54,50 @@ class Greedy {
     std::vector<Index> cluster{start};
     seen[start] = true;
     for (std::size_t i = 0; i < cluster.size(); ++i)
-      for (Index g : mender_.mesh().neighbours[cluster[i]])
-        if (g != none && !seen[g] && sign_of(mender_.mesh(), g) <= 0) {
+      for (Index g : editor_.mesh().neighbours[cluster[i]])
+        if (g != none && !seen[g] && sign_of(editor_.mesh(), g) <= 0) {
           seen[g] = true;
           cluster.push_back(g);
         }
     return cluster;
   }
 
-  bool mend(std::vector<Index> todo, Mender::Mark mark) {
+  bool mend(std::vector<Index> todo, MeshEditor::Mark mark) {
     std::size_t budget = 20 * todo.size() + 40;
     while (!todo.empty()) {
       if (budget-- == 0) return false;
       const Index f = todo.back();
       todo.pop_back();
-      if (!mender_.alive(f) || sign_of(mender_.mesh(), f) > 0) continue;
-      const Mender::Mark before = mender_.mark();
+      if (!editor_.alive(f) || sign_of(editor_.mesh(), f) > 0) continue;
+      const MeshEditor::Mark before = editor_.mark();
       if (!merge_equal(f) && !flip_middle(f)) return false;
-      mender_.changed(before, todo);
+      editor_.changed(before, todo);
     }
     if (!distance_) return true;
     std::vector<Index> changed;
-    mender_.changed(mark, changed);
+    editor_.changed(mark, changed);
     for (Index f : changed)
-      if (mender_.alive(f))
-        for (Index v : mender_.mesh().faces[f])
-          if (distance_(mender_.mesh().labels[f], mender_.mesh().points[v]) > bound_) return false;
+      if (editor_.alive(f))
+        for (Index v : editor_.mesh().faces[f])
+          if (distance_(editor_.mesh().labels[f], editor_.mesh().points[v]) > bound_) return false;
     return true;
   }
 
   bool merge_equal(Index f) {
-    const PlanarMesh& mesh = mender_.mesh();
+    const PlanarMesh& mesh = editor_.mesh();
     for (int k = 0; k < 3; ++k) {
       const Index p = mesh.faces[f][(k + 1) % 3], q = mesh.faces[f][(k + 2) % 3];
       if (!(mesh.points[p] == mesh.points[q])) continue;
       const bool p_fixed = place_(p).kind == ExactPlace::input, q_fixed = place_(q).kind == ExactPlace::input;
       if (p_fixed && q_fixed) continue;
-      if (mender_.merge(f, k, p_fixed ? p : q_fixed ? q : std::min(p, q))) return true;
+      if (editor_.merge(f, k, p_fixed ? p : q_fixed ? q : std::min(p, q))) return true;
     }
     return false;
   }
 
   /// The middle vertex of a flat or turned-over face lies between the ends of the edge opposite it, or beyond it.
   bool flip_middle(Index f) {
-    const PlanarMesh& mesh = mender_.mesh();
+    const PlanarMesh& mesh = editor_.mesh();
     int longest = 0;
     double length = -1;
     for (int k = 0; k < 3; ++k) {
@@ -105,34 +105,35 @@ class Greedy {
       const double l = std::hypot(q.x - p.x, q.y - p.y);
       if (l > length) length = l, longest = k;
     }
-    Mender::Quad quad;
-    if (!mender_.quad(f, longest, quad)) return false;
+    MeshEditor::Quad quad;
+    if (!editor_.quad(f, longest, quad)) return false;
     const auto positive = [&](Index a, Index b, Index c) {
       return orientation(mesh.points[a], mesh.points[b], mesh.points[c]) > 0;
     };
     if (!positive(quad.u, quad.p, quad.w) || !positive(quad.u, quad.w, quad.q)) return false;
-    mender_.flip(f, longest, quad);
+    editor_.flip(f, longest, quad);
     return true;
   }
 
-  Mender& mender_;
+  MeshEditor& editor_;
   const std::function<ExactPlace(Index)>& place_;
   const std::function<double(Index, Point2)>& distance_;
   double bound_;
 };
 
-/// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all. Kinetic
-/// moves need the mesh as it was, since exact places are valid in that one only. Returns the vertices moved kinetically.
-Index mend(Mender& mender, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
+/// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all.
+/// Kinetic moves need the mesh as it was, since exact places are valid in that one only. Returns the vertices moved
+/// kinetically.
+Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
            const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
-  const std::vector<Index> hard = Greedy(mender, place, distance, bound).run(bad);
+  const std::vector<Index> hard = Greedy(editor, place, distance, bound).run(bad);
   if (hard.empty()) return 0;
-  mender.undo({});
-  const Index moved = move_kinetically(mender, hard, place, context);
-  Greedy(mender, place, distance, bound).run(bad_faces(mender.mesh()));
-  if (bad_faces(mender.mesh()).empty()) return moved;
-  mender.undo({});
-  return move_kinetically(mender, bad, place, context);
+  editor.undo({});
+  const Index moved = move_kinetically(editor, hard, place, context);
+  Greedy(editor, place, distance, bound).run(bad_faces(editor.mesh()));
+  if (bad_faces(editor.mesh()).empty()) return moved;
+  editor.undo({});
+  return move_kinetically(editor, bad, place, context);
 }
 
 }  // namespace
@@ -204,31 +205,32 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
     if (exact.kind != ExactPlace::input)
       result.report.max_move = std::max(result.report.max_move, rounding_bound(exact));
   }
-  Mender mender(mesh);
+  MeshEditor editor(mesh);
   const double bound = 3 * result.report.max_move;
   const std::vector<Index> bad = bad_faces(mesh);
   if (!bad.empty()) {
-    result.report.kinetic = mend(mender, bad, place, distance, bound, context);
+    result.report.kinetic = mend(editor, bad, place, distance, bound, context);
     if (const std::vector<Index> left = bad_faces(mesh); !left.empty()) {
       const Point2 at = mesh.points[mesh.faces[left[0]][0]];
-      throw Error(ErrorKind::input, "rounding",
-                  "near " + std::to_string(at.x) + ", " + std::to_string(at.y) +
-                      " the surfaces come closer to each other than doubles can tell apart, and " +
-                      std::to_string(left.size()) +
-                      " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
+      throw Error(
+          ErrorKind::input, "rounding",
+          "near " + std::to_string(at.x) + ", " + std::to_string(at.y) +
+              " the surfaces come closer to each other than doubles can tell apart, and " +
+              std::to_string(left.size()) +
+              " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
   }
-  mender.changed({}, result.relabelled);
+  editor.changed({}, result.relabelled);
   std::sort(result.relabelled.begin(), result.relabelled.end());
   result.relabelled.erase(std::unique(result.relabelled.begin(), result.relabelled.end()), result.relabelled.end());
-  std::erase_if(result.relabelled, [&](Index f) { return !mender.alive(f); });
+  std::erase_if(result.relabelled, [&](Index f) { return !editor.alive(f); });
   if (distance)
     for (Index f : result.relabelled)
       for (Index v : mesh.faces[f])
         result.report.max_spill = std::max(result.report.max_spill, distance(mesh.labels[f], mesh.points[v]));
-  result.report.merges = mender.merges();
-  result.report.flips = mender.flips();
-  result.merged_into = mender.merged_into();
+  result.report.merges = editor.merges();
+  result.report.flips = editor.flips();
+  result.merged_into = editor.merged_into();
   for (Index v = 0; v < static_cast<Index>(result.merged_into.size()); ++v)  // follow chains of merges to their end
     while (result.merged_into[v] != result.merged_into[result.merged_into[v]])
       result.merged_into[v] = result.merged_into[result.merged_into[v]];

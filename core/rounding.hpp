@@ -8,19 +8,21 @@
 #include "core/overlay.hpp"
 #include "core/tin.hpp"
 
-// From exact positions to doubles that are a valid mesh. Input vertices never move; a constructed vertex lands on its rounded
-// place; faces that rounding turned over are mended by local merges and flips, by kinetic moves where that is not enough.
+// From exact positions to doubles that are a valid mesh. Input vertices never move; a constructed vertex lands on its
+// rounded place; faces that rounding turned over are mended by local merges and flips, by kinetic moves where that is
+// not enough.
 namespace terrane {
 
 /// Where a constructed vertex lies exactly.
 struct ExactPlace {
   enum Kind { input, crossing, ratio } kind = input;
-  Point2 p, q;         // crossing: the line p q; ratio: from p to q
-  Point2 r, s;         // crossing: the line r s
+  Point2 p, q;            // crossing: the line p q; ratio: from p to q
+  Point2 r, s;            // crossing: the line r s
   double dp = 0, dq = 0;  // ratio: values of opposite sign at p and q; the place is where they interpolate to 0
 };
 
-/// The double place of an exact one, to about an ulp of its coordinates; coordinates that the lines hold constant are kept.
+/// The double place of an exact one, to about an ulp of its coordinates; coordinates that the lines hold constant are
+/// kept.
 Point2 rounded(const ExactPlace& place);
 
 /// An upper bound of |rounded(place) - place|.
@@ -38,19 +40,19 @@ struct PlanarMesh {
 void connect(PlanarMesh& mesh);
 
 /// Makes every face of the mesh strictly positive on its doubles. `place(v)` says where vertex v lies exactly
-/// (kind input: exactly at points[v]). Vertices may be merged and edges flipped: merged_into[v] tells where v went (v itself
-/// when it stayed), relabelled lists the live faces whose corners or label changed.
-/// Linear in the faces when nothing is wrong; about 100 us per vertex of a bad cluster otherwise.
+/// (kind input: exactly at points[v]). Vertices may be merged and edges flipped: merged_into[v] tells where v went (v
+/// itself when it stayed), relabelled lists the live faces whose corners or label changed. Linear in the faces when
+/// nothing is wrong; about 100 us per vertex of a bad cluster otherwise.
 struct Rounded {
   RoundingReport report;
   std::vector<Index> merged_into;
   std::vector<Index> relabelled;
 };
-/// Promises: every live face is strictly positive by exact predicates on the returned doubles; input vertices are where they
-/// were; the order of the steps depends on the numbers of vertices and faces only.
-/// `distance(label, p)`, when given, says how far p lies from what the label stands for: flips are accepted while it stays
-/// within 3 * the largest move, else the slower way is taken; the largest is report.max_spill.
-/// Throws Error{input, "rounding"} naming the place when some face cannot be made positive.
+/// Promises: every live face is strictly positive by exact predicates on the returned doubles; input vertices are where
+/// they were; the order of the steps depends on the numbers of vertices and faces only. `distance(label, p)`, when
+/// given, says how far p lies from what the label stands for: flips are accepted while it stays within 3 * the largest
+/// move, else the slower way is taken; the largest is report.max_spill. Throws Error{input, "rounding"} naming the
+/// place when some face cannot be made positive.
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
                          const std::function<double(Index label, Point2)>& distance = {});
 

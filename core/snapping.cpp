@@ -60,7 +60,9 @@ Snapped complete_and_snap(const Tin& b, const Box& frame, const CompletedMesh& a
   std::vector<Index> partner(n, none), owner(a.places.size(), none);
   for (Index j = 0; j < n; ++j)
     if (result.location[j].kind == Location::place) owner[result.location[j].index] = j;
-  const auto distance = [&](Index i, Index j) { return std::hypot(a.at(i).x - mesh.at(j).x, a.at(i).y - mesh.at(j).y); };
+  const auto distance = [&](Index i, Index j) {
+    return std::hypot(a.at(i).x - mesh.at(j).x, a.at(i).y - mesh.at(j).y);
+  };
   bool any = false;
   for (Index j = 0; j < mesh.real_places(); ++j) {
     if (result.location[j].kind == Location::place) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// terrane-bench overlay A.ply B.ply [--threads N] [--repeat R] [--warm]: prints only JSON. Reading the files is not timed.
+// terrane-bench overlay A.ply B.ply [--threads N] [--repeat R] [--warm]: prints only JSON. Reading the files is not
+// timed.
 #include <malloc.h>
 #include <sys/resource.h>
 
@@ -21,9 +22,7 @@ namespace {
 
 using namespace terrane;
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -57,10 +56,14 @@ int run(int argc, char** argv) {
   bool warm = false;
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--threads" && i + 1 < argc) threads = std::atoi(argv[++i]);
-    else if (word == "--repeat" && i + 1 < argc) repeat = std::max(1, std::atoi(argv[++i]));
-    else if (word == "--warm") warm = true;
-    else files.push_back(word);
+    if (word == "--threads" && i + 1 < argc)
+      threads = std::atoi(argv[++i]);
+    else if (word == "--repeat" && i + 1 < argc)
+      repeat = std::max(1, std::atoi(argv[++i]));
+    else if (word == "--warm")
+      warm = true;
+    else
+      files.push_back(word);
   }
   if (argc < 2 || std::string(argv[1]) != "overlay" || files.size() != 2) {
     std::fprintf(stderr, "usage: terrane-bench overlay A.ply B.ply [--threads N] [--repeat R] [--warm]\n");

@@ -78,7 +78,8 @@ TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
   std::vector<InputPart> tiles;
   std::vector<support::Sampler> heights;
   for (const std::string corner : {"nw", "ne", "sw", "se"}) {
-    const Response made = run("triangulate", {file("dem", "balearic/window_" + corner + ".tif")}, {{"max-error", "10"}}, "ply");
+    const Response made =
+        run("triangulate", {file("dem", "balearic/window_" + corner + ".tif")}, {{"max-error", "10"}}, "ply");
     heights.emplace_back(decoded(made));
     tiles.push_back(tin("tiles", corner, made));
   }
@@ -108,8 +109,9 @@ TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
 }
 
 TEST_F(RealTerrain, two_halves_of_mallorca_are_mallorca) {
-  const Response halves = run("merge", {file("tiles", "balearic/mallorca_west_30s.tif"), file("tiles", "balearic/mallorca_east_30s.tif")},
-                              {{"overlap", "mean"}}, "ply");
+  const Response halves =
+      run("merge", {file("tiles", "balearic/mallorca_west_30s.tif"), file("tiles", "balearic/mallorca_east_30s.tif")},
+          {{"overlap", "mean"}}, "ply");
   const Response whole = run("triangulate", {file("dem", "balearic/mallorca_30s.tif")}, {}, "ply");
   EXPECT_EQ(halves.body, whole.body);
   Context context;
@@ -127,7 +129,8 @@ TEST_F(RealTerrain, two_halves_of_mallorca_are_mallorca) {
 }
 
 TEST_F(RealTerrain, mallorca_lies_on_top_of_the_sea_floor_unchanged) {
-  const InputPart fine = file("tiles", "balearic/mallorca_30s.tif"), coarse = file("tiles", "balearic/balearic_etopo5.tif");
+  const InputPart fine = file("tiles", "balearic/mallorca_30s.tif"),
+                  coarse = file("tiles", "balearic/balearic_etopo5.tif");
   const Response merged = run("merge", {fine, coarse}, {{"overlap", "first"}}, "ply");
   expect_clean(merged.report);
   EXPECT_GT(merged.report["seams"]["pairs"][0]["jump"]["max_abs"], 100.0);
@@ -168,12 +171,14 @@ TEST_F(RealTerrain, volumes_between_three_epochs_add_up) {
   const auto epoch = [](const std::string& slot, int year) {
     return file(slot, "epochs/fortbragg_dem_" + std::to_string(year) + ".tif");
   };
-  // SOURCES.md: exact fills and cuts over triangles with one fixed diagonal and with the other. Ours have the flatter diagonal.
+  // SOURCES.md: exact fills and cuts over triangles with one fixed diagonal and with the other. Ours have the flatter
+  // diagonal.
   struct Reference {
     int before, after;
     double fill, cut;
   };
-  const std::vector<Reference> table = {{2004, 2012, 23917.5, 3494.6}, {2012, 2016, 7790, 3143.3}, {2004, 2016, 28250.5, 3180.9}};
+  const std::vector<Reference> table = {
+      {2004, 2012, 23917.5, 3494.6}, {2012, 2016, 7790, 3143.3}, {2004, 2016, 28250.5, 3180.9}};
   const auto integral_by_cells = [&](int year) {
     Context context;
     const InputPart part = epoch("dem", year);
@@ -189,8 +194,8 @@ TEST_F(RealTerrain, volumes_between_three_epochs_add_up) {
   };
   std::vector<double> net;
   for (const Reference& r : table) {
-    const nlohmann::json report =
-        nlohmann::json::parse(run("volume", {epoch("surface", r.after), epoch("reference", r.before)}, {}, "json").body);
+    const nlohmann::json report = nlohmann::json::parse(
+        run("volume", {epoch("surface", r.after), epoch("reference", r.before)}, {}, "json").body);
     const nlohmann::json& row = report["rows"][0];
     EXPECT_NEAR(row["fill"]["volume"], r.fill, 1e-3 * r.fill);
     EXPECT_NEAR(row["cut"]["volume"], r.cut, 1e-3 * r.cut);

@@ -68,7 +68,8 @@ Range range_around(const Tin& tin, Point2 at, double radius) {
       }
     }
     if (nearest > radius) continue;
-    const long double s = ((px - c[0].x) * y2 - x2 * (py - c[0].y)) / d, t = (x1 * (py - c[0].y) - (px - c[0].x) * y1) / d;
+    const long double s = ((px - c[0].x) * y2 - x2 * (py - c[0].y)) / d,
+                      t = (x1 * (py - c[0].y) - (px - c[0].x) * y1) / d;
     const long double z = c[0].z + s * w1 + t * w2;
     const long double slope = hypotl((w1 * y2 - w2 * y1) / d, (x1 * w2 - x2 * w1) / d);
     const auto [zmin, zmax] = std::minmax({c[0].z, c[1].z, c[2].z});
@@ -89,7 +90,8 @@ void expect_heights(const Overlay& o, const Tin& a, const Tin& b) {
         const Index v = o.faces[f][k];
         auto [entry, fresh] = known.try_emplace({m, v});
         if (fresh) entry->second = range_around(m == 0 ? a : b, o.points[v], radius + o.rounding.max_spill);
-        const double z = o.height(m, static_cast<Index>(f), k), ulp = std::nextafter(std::fabs(z), INFINITY) - std::fabs(z);
+        const double z = o.height(m, static_cast<Index>(f), k),
+                     ulp = std::nextafter(std::fabs(z), INFINITY) - std::fabs(z);
         ASSERT_GE(z, entry->second.low - 4 * ulp) << "input " << m << " face " << f;
         ASSERT_LE(z, entry->second.high + 4 * ulp) << "input " << m << " face " << f;
       }
@@ -119,15 +121,18 @@ void expect_overlay_right(const Pair& pair) {
 Tin lattice_terrain(std::mt19937_64& dice, int size, double keep) {
   Tin tin;
   const auto id = [&](int i, int j) { return static_cast<Index>(j * (size + 1) + i); };
-  const int step = 1 + static_cast<int>(dice() % 2), dx = static_cast<int>(dice() % 3), dy = static_cast<int>(dice() % 3);
+  const int step = 1 + static_cast<int>(dice() % 2), dx = static_cast<int>(dice() % 3),
+            dy = static_cast<int>(dice() % 3);
   for (int j = 0; j <= size; ++j)
     for (int i = 0; i <= size; ++i)
-      tin.vertices.push_back({static_cast<double>(dx + i * step), static_cast<double>(dy + j * step), static_cast<double>(dice() % 8)});
+      tin.vertices.push_back(
+          {static_cast<double>(dx + i * step), static_cast<double>(dy + j * step), static_cast<double>(dice() % 8)});
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       const Index p = id(i, j), q = id(i + 1, j), r = id(i + 1, j + 1), s = id(i, j + 1);
       const bool rising = dice() % 2;
-      for (const Face& f : rising ? std::array<Face, 2>{Face{p, q, r}, Face{p, r, s}} : std::array<Face, 2>{Face{p, q, s}, Face{q, r, s}})
+      for (const Face& f : rising ? std::array<Face, 2>{Face{p, q, r}, Face{p, r, s}}
+                                  : std::array<Face, 2>{Face{p, q, s}, Face{q, r, s}})
         if (static_cast<double>(dice() % 1000) < 1000 * keep) tin.faces.push_back(f);
     }
   return tin;
@@ -136,7 +141,8 @@ Tin lattice_terrain(std::mt19937_64& dice, int size, double keep) {
 TEST(overlay, lattice_terrains_with_holes_agree_with_the_exact_arrangement) {
   std::mt19937_64 dice(1);
   for (int round = 0; round < 400; ++round) {
-    Pair pair{"round " + std::to_string(round), lattice_terrain(dice, 1 + round % 5, 0.75), lattice_terrain(dice, 1 + round % 4, 0.75)};
+    Pair pair{"round " + std::to_string(round), lattice_terrain(dice, 1 + round % 5, 0.75),
+              lattice_terrain(dice, 1 + round % 4, 0.75)};
     if (canonical(pair.a).faces.empty() || canonical(pair.b).faces.empty()) continue;
     expect_overlay_right(pair);
     if (HasFailure()) return;
@@ -147,7 +153,8 @@ TEST(overlay, paste_keeps_the_faces_of_a_and_covers_the_union) {
   std::mt19937_64 dice(2);
   for (int round = 0; round < 400; ++round) {
     SCOPED_TRACE(round);
-    const Tin a = canonical(lattice_terrain(dice, 1 + round % 5, 0.75)), b = canonical(lattice_terrain(dice, 1 + round % 4, 0.75));
+    const Tin a = canonical(lattice_terrain(dice, 1 + round % 5, 0.75)),
+              b = canonical(lattice_terrain(dice, 1 + round % 4, 0.75));
     if (a.faces.empty() || b.faces.empty()) continue;
     Context context;
     const Overlay o = overlay(a, b, {.refinement = Refinement::paste}, context);
@@ -189,13 +196,14 @@ TEST(overlay, near_coincidence_is_rounded_to_a_valid_mesh) {
   const Tin t = random_terrain(300, 1), grid = grid_terrain(8, true);
   for (const double offset : {0.0, 1.0}) {
     const auto at = [&](Tin tin) { return shifted(std::move(tin), offset * 500000, offset * 4500000); };
-    const std::vector<Pair> pairs = {{"jitter 1e-12", at(t), jittered(at(t), 1e-12, false)},
-                                     {"jitter 1e-9", at(t), at(jittered(t, 1e-9, false))},
-                                     {"jitter 1e-9, border too", at(t), at(jittered(t, 1e-9, true))},
-                                     {"jitter 1e-6", at(t), at(jittered(t, 1e-6, false))},
-                                     {"ulp", at(t), ulp_copy(at(t), true)},
-                                     {"steps", at(stepped(300, 1, 1e-7)), at(jittered(stepped(300, 1, 1e-7), 1e-9, false))},
-                                     {"grid against itself rotated", at(grid), at(rotated(grid, 45))}};
+    const std::vector<Pair> pairs = {
+        {"jitter 1e-12", at(t), jittered(at(t), 1e-12, false)},
+        {"jitter 1e-9", at(t), at(jittered(t, 1e-9, false))},
+        {"jitter 1e-9, border too", at(t), at(jittered(t, 1e-9, true))},
+        {"jitter 1e-6", at(t), at(jittered(t, 1e-6, false))},
+        {"ulp", at(t), ulp_copy(at(t), true)},
+        {"steps", at(stepped(300, 1, 1e-7)), at(jittered(stepped(300, 1, 1e-7), 1e-9, false))},
+        {"grid against itself rotated", at(grid), at(rotated(grid, 45))}};
     for (const Pair& pair : pairs)
       for (const double snap : {-1.0, 0.0}) {
         SCOPED_TRACE(pair.name + (offset > 0 ? " utm" : "") + (snap == 0 ? " unsnapped" : ""));

@@ -8,16 +8,17 @@
 // Local surgery on a planar mesh: stars, edge flips, merges of two vertices, and taking them back.
 namespace terrane {
 
-class Mender {
+class MeshEditor {
  public:
-  explicit Mender(PlanarMesh& mesh);
+  explicit MeshEditor(PlanarMesh& mesh);
 
   PlanarMesh& mesh() { return mesh_; }
   bool alive(Index f) const { return mesh_.faces[f][0] != none; }
   int corner_of(Index f, Index v) const { return mesh_.faces[f][0] == v ? 0 : mesh_.faces[f][1] == v ? 1 : 2; }
   /// The live faces around v.
   void star(Index v, std::vector<Index>& faces) const;
-  /// What a flip of the edge opposite corner k of face f would work on; false when there is none across or it exists already.
+  /// What a flip of the edge opposite corner k of face f would work on; false when there is none across or it exists
+  /// already.
   struct Quad {
     Index g;           // the face across
     Index u, p, q, w;  // f = u p q, g = w q p; the flip makes u p w and u w q
@@ -25,7 +26,8 @@ class Mender {
   bool quad(Index f, int k, Quad& quad) const;
   /// Flips; both faces get the label of the face across.
   void flip(Index f, int k, const Quad& quad);
-  /// Merges the ends of the edge opposite corner k of f into `keep`, one of them; false when the result would be no mesh.
+  /// Merges the ends of the edge opposite corner k of f into `keep`, one of them; false when the result would be no
+  /// mesh.
   bool merge(Index f, int k, Index keep);
 
   /// Everything done since the mark is undone, in reverse.

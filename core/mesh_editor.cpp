@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/mender.hpp"
+#include "core/mesh_editor.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 namespace terrane {
 
-Mender::Mender(PlanarMesh& mesh) : mesh_(mesh), face_of_(mesh.points.size(), none), merged_into_(mesh.points.size()) {
+MeshEditor::MeshEditor(PlanarMesh& mesh)
+    : mesh_(mesh), face_of_(mesh.points.size(), none), merged_into_(mesh.points.size()) {
   std::iota(merged_into_.begin(), merged_into_.end(), 0);
   for (Index f = 0; f < static_cast<Index>(mesh.faces.size()); ++f)
     if (alive(f)) anchor(f);
 }
 
-void Mender::star(Index v, std::vector<Index>& faces) const {
+void MeshEditor::star(Index v, std::vector<Index>& faces) const {
   faces.clear();
   const Index start = face_of_[v];
   Index f = start;
@@ -26,7 +27,7 @@ void Mender::star(Index v, std::vector<Index>& faces) const {
     faces.push_back(f);
 }
 
-bool Mender::quad(Index f, int k, Quad& quad) const {
+bool MeshEditor::quad(Index f, int k, Quad& quad) const {
   const Index g = mesh_.neighbours[f][k];
   if (g == none) return false;
   const Face& c = mesh_.faces[f];
@@ -42,7 +43,7 @@ bool Mender::quad(Index f, int k, Quad& quad) const {
   return true;
 }
 
-void Mender::relink(Index f, Index from, Index to) {
+void MeshEditor::relink(Index f, Index from, Index to) {
   if (f == none) return;
   save(f);
   for (Index& n : mesh_.neighbours[f])
@@ -52,7 +53,7 @@ void Mender::relink(Index f, Index from, Index to) {
     }
 }
 
-void Mender::flip(Index f, int k, const Quad& quad) {
+void MeshEditor::flip(Index f, int k, const Quad& quad) {
   const auto [g, u, p, q, w] = quad;
   const int j = corner_of(g, w);
   const Index uq = mesh_.neighbours[f][(k + 1) % 3], up = mesh_.neighbours[f][(k + 2) % 3];
@@ -71,7 +72,7 @@ void Mender::flip(Index f, int k, const Quad& quad) {
   ++flips_;
 }
 
-bool Mender::merge(Index f, int k, Index keep) {
+bool MeshEditor::merge(Index f, int k, Index keep) {
   const Index a = mesh_.faces[f][(k + 1) % 3], b = mesh_.faces[f][(k + 2) % 3], gone = keep == a ? b : a;
   const Index g = mesh_.neighbours[f][k];
   // Link condition: the two share no neighbours but the apexes of the faces on their edge.
@@ -115,7 +116,7 @@ bool Mender::merge(Index f, int k, Index keep) {
   return true;
 }
 
-void Mender::undo(Mark mark) {
+void MeshEditor::undo(Mark mark) {
   flips_ = mark.flips;
   std::vector<Index> touched;
   while (journal_.size() > mark.entries) {
@@ -135,7 +136,7 @@ void Mender::undo(Mark mark) {
     if (alive(f)) anchor(f);
 }
 
-void Mender::changed(Mark mark, std::vector<Index>& faces) const {
+void MeshEditor::changed(Mark mark, std::vector<Index>& faces) const {
   for (std::size_t i = mark.entries; i < journal_.size(); ++i)
     if (journal_[i].face != none) faces.push_back(journal_[i].face);
 }
