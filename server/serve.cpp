@@ -18,8 +18,8 @@ namespace terrane {
 namespace {
 
 // Container engines kill after ten seconds.
-constexpr int grace_seconds = 7;   // for requests in flight to finish by themselves
-constexpr int cancel_seconds = 2;  // for them to notice that they shall stop
+constexpr int grace_seconds = 4;   // for requests in flight to finish by themselves
+constexpr int cancel_seconds = 5;  // for them to notice that they shall stop
 
 sigset_t stop_signals() {
   sigset_t set;

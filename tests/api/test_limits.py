@@ -119,7 +119,7 @@ class Executions(unittest.TestCase):
 
     def setUp(self):
         self.service = Service("--threads", "1")
-        self.slow = form([("dem", File("hills.asc", hills(1500)))])
+        self.slow = form([("dem", File("hills.asc", hills(1000)))])
 
     def tearDown(self):
         self.service.close(signal.SIGKILL)
