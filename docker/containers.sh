@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The image and the service in real containers: build, run without rights, out of memory, clean stop, and the
-# integration test from a second container. Starts an engine of its own and removes it; skips visibly where none can run.
+# integration test from a second container. Starts an engine of its own and removes it; skips where none can run.
 #   docker/containers.sh            KEEP_LOGS=FOLDER keeps the logs of engine and build
 set -u
 here=$(cd "$(dirname "$0")" && pwd)

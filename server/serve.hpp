@@ -16,8 +16,8 @@ struct ServeOptions {
 };
 
 /// Listens, prints one line "listening on http://HOST:PORT" on standard output when ready, and returns after SIGTERM or
-/// SIGINT: no new connections; requests in flight finish, or are asked to stop after 4 s and answered with 503; it takes
-/// 10 s at most. One JSON line per request goes to standard error.
+/// SIGINT: no new connections; requests in flight finish, or are asked to stop after 4 s and answered with 503; it
+/// takes 10 s at most. One JSON line per request goes to standard error.
 ///
 /// Returns 0 after a clean stop. Throws Error{usage} when the options are out of range or the address cannot be bound
 /// ("port-in-use": another program listens there). Called once per process, before other threads are started: it
