@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -274,12 +274,8 @@ double value_on(const CutMesh& cut, const std::vector<Point2>& points, const Fac
       return t <= 0.5 ? zp + t * (zq - zp) : zq + made.dq / (made.dp - made.dq) * (zq - zp);
     }
   }
-  const Point2 at = cut.mesh.points[v];
-  double weights[3], sum = 0, value = 0;
-  for (int k = 0; k < 3; ++k)
-    sum += weights[k] = std::max(0.0, area2_accurate(points[face[(k + 1) % 3]], points[face[(k + 2) % 3]], at));
-  for (int k = 0; k < 3; ++k) value += weights[k] / sum * values[k];
-  return std::clamp(value, std::min({values[0], values[1], values[2]}), std::max({values[0], values[1], values[2]}));
+  return height_on_triangle({points[face[0]], points[face[1]], points[face[2]]}, {values[0], values[1], values[2]},
+                            cut.mesh.points[v]);
 }
 
 }  // namespace terrane

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -14,16 +15,6 @@ double fraction(Point2 a, Point2 b, Point2 p) {  // of p's projection along a ->
   const double dx = b.x - a.x, dy = b.y - a.y;
   const double t = std::fabs(dx) >= std::fabs(dy) ? (p.x - a.x) / dx : (p.y - a.y) / dy;
   return std::clamp(t, 0.0, 1.0);
-}
-
-double mix(double z0, double z1, double t) { return t <= 0.5 ? z0 + (z1 - z0) * t : z1 + (z0 - z1) * (1 - t); }
-
-/// The nearest point of segment a b, as a fraction, and its distance.
-double nearest_on(Point2 a, Point2 b, Point2 p, double& distance) {
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  const double t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  distance = std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
-  return t;
 }
 
 }  // namespace
@@ -41,29 +32,9 @@ double SurfaceHeights::on_edge(Index h, Point2 p) const {
 }
 
 double SurfaceHeights::on_plane(Index face, Point2 p) const {
-  Point2 c[3];
-  double w[3], total = 0;
-  for (int k = 0; k < 3; ++k) c[k] = mesh_.at(mesh_.corner[4 * face + k]);
-  for (int k = 0; k < 3; ++k) {
-    w[k] = area2_accurate(c[(k + 1) % 3], c[(k + 2) % 3], p);
-    if (w[k] < 0) {  // just outside: the nearest point of the face instead
-      double best = std::numeric_limits<double>::infinity(), height = 0;
-      for (int i = 0; i < 3; ++i) {
-        double d;
-        const double t = nearest_on(c[i], c[(i + 1) % 3], p, d);
-        if (d < best) best = d, height = mix(z(face, i), z(face, (i + 1) % 3), t);
-      }
-      return height;
-    }
-    total += w[k];
-  }
-  // Relative to the heaviest corner: a level face stays level to the last bit.
-  const int base = w[0] >= w[1] && w[0] >= w[2] ? 0 : w[1] >= w[2] ? 1 : 2;
-  double height = z(face, base);
-  for (int k = 0; k < 3; ++k)
-    if (k != base) height += (z(face, k) - z(face, base)) * (w[k] / total);
-  const auto [low, high] = std::minmax({z(face, 0), z(face, 1), z(face, 2)});
-  return std::clamp(height, low, high);
+  const Index* corner = &mesh_.corner[4 * face];
+  return height_on_triangle({mesh_.at(corner[0]), mesh_.at(corner[1]), mesh_.at(corner[2])},
+                            {z(face, 0), z(face, 1), z(face, 2)}, p);
 }
 
 double SurfaceHeights::at_vertex(Index vertex) const {
@@ -121,7 +92,7 @@ double SurfaceHeights::distance(Index face, Point2 p) const {
     const Point2 a = mesh_.at(mesh_.corner[4 * face + k]), b = mesh_.at(mesh_.corner[4 * face + (k + 1) % 3]);
     inside = inside && orientation(a, b, p) >= 0;
     double d;
-    nearest_on(a, b, p, d);
+    nearest_on_segment(a, b, p, d);
     best = std::min(best, d);
   }
   return inside ? 0 : best;

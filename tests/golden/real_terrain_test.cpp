@@ -87,6 +87,7 @@ TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
     SCOPED_TRACE(overlap);
     const Response merged = run("merge", tiles, {{"overlap", overlap}}, "ply");
     expect_clean(merged.report);
+    EXPECT_LT(merged.report["accuracy"]["max_height_error"], 1e-8);
     EXPECT_EQ(merged.report["seams"]["pairs"].size(), 6u);  // all four overlap in the middle
     if (overlap != "first" && overlap != "last") expect_order_free(tiles, {{"overlap", overlap}});
     const Tin result = decoded(merged);
