@@ -51,11 +51,12 @@ bool can_be_degrees(const Box& b) { return b.xmin >= -720 && b.xmax <= 720 && b.
 
 /// Degrees that cannot be degrees, and metres that look like degrees.
 void check_magnitudes(const std::vector<const Surface*>& surfaces, bool refuse, Context& context) {
+  const auto empty = [](const Box& b) { return !(b.xmin <= b.xmax); };
   bool large = false;
-  for (const Surface* s : surfaces) large = large || !looks_like_degrees(box_of(*s));
+  for (const Surface* s : surfaces) large = large || (!empty(box_of(*s)) && !looks_like_degrees(box_of(*s)));
   for (const Surface* s : surfaces) {
     const Box b = box_of(*s);
-    if (!(b.xmin <= b.xmax)) continue;
+    if (empty(b)) continue;
     const bool small = looks_like_degrees(b);
     if (s->crs.known() && s->crs.geographic() && !can_be_degrees(b)) {
       const std::string message = "input '" + s->name + "' is said to be in " + shown(s->crs) +

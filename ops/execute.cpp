@@ -117,6 +117,16 @@ nlohmann::json report_certificate(const Plan& plan, const Frame& frame, const Co
           {"warnings", warnings_json(context.warnings)}};
 }
 
+/// The independent look at the result's heights disagrees with them: the user must not find out from the figure alone.
+void warn_of_heights(const HeightCheck& heights, const Tin& tin, Context& context) {
+  double largest = 1;
+  for (const Point& p : tin.vertices) largest = std::max(largest, std::fabs(p.z));
+  if (heights.max_error > 1e-6 * largest)
+    context.warn({"height-check", "", "",
+                  "some height of the result is " + std::to_string(heights.max_error) + " off what the inputs say there",
+                  "look at the place, and report it with the inputs: results are meant to be exact"});
+}
+
 void use_threads(const Plan& plan, Context& context) {
   const auto it = plan.parameters.find("threads");
   const int asked = it == plan.parameters.end() ? 0 : it->get<int>();
@@ -139,6 +149,7 @@ Response execute(const Plan& plan, Context& context) {
     if (outcome.verify) refuse_unsound(seen, plan.operation->id);
     const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
     const HeightCheck heights = check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
+    warn_of_heights(heights, *tin, context);
     name_joined(frame, outcome);
     response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
     response.body = encode(plan, frame, *tin, response.report, context);
