@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 
 #include "core/merge.hpp"
 #include "ops/inputs.hpp"
@@ -77,8 +78,9 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   for (const SeamPair& pair : merged.seams)
     if (pair.bias_suspected)
       context.warn({"bias-suspected", names[pair.b], "",
-                    "'" + names[pair.b] + "' lies " + nlohmann::json(pair.dz_median).dump() + " (median) above '" +
-                        names[pair.a] + "' where they overlap, more than their scatter explains",
+                    "'" + names[pair.b] + "' lies " + nlohmann::json(std::fabs(pair.dz_median)).dump() + " (median) " +
+                        (pair.dz_median > 0 ? "above" : "below") + " '" + names[pair.a] +
+                        "' where they overlap, more than their scatter explains",
                     "check their vertical datums and units"});
   outcome.certificate["seams"] = seam_report(merged.seams, names);
   outcome.expected_height = folded(p.overlap);

@@ -129,7 +129,9 @@ Json execution(const Operation& operation) {
               {"Link", {{"description", "rel=describedby: the certificate."}, {"schema", {{"type", "string"}}}}}}},
             {"content", content}}},
           {"400", problem_response("The request is not understood: parameters, inputs or format.")},
+          {"405", problem_response("An execution is a POST.")},
           {"406", problem_response("No media type that is accepted can be returned.")},
+          {"411", problem_response("The body has neither a length nor chunks.")},
           {"413", problem_response("Larger than the limits.")},
           {"415", problem_response("An input is in a format that is not read.")},
           {"422", problem_response("An input cannot be worked on; the message names the element and the remedy.")},
@@ -170,6 +172,9 @@ nlohmann::json openapi() {
                 {"/conformance", get("conformance", "The conformance classes that are met.", reference("confClasses"))},
                 {"/processes", get("processes", "Every operation.", reference("processList"))},
                 {"/health", get("health", "Whether the service is alive.", {{"type", "object"}})},
+                {"/ready", get("ready", "Whether the service takes work.", {{"type", "object"}})},
+                {"/reports/{id}",
+                 get("report", "A certificate, kept for a while after its result.", {{"type", "object"}}, true)},
                 {"/openapi.json", get("openapi", "This document.", {{"type", "object"}})}};
   Json ids = Json::array();
   for (const Operation& operation : catalogue()) ids.push_back(operation.id);
@@ -177,6 +182,8 @@ nlohmann::json openapi() {
       get("process", "One operation: its inputs, parameters and outputs.", reference("process"), true);
   paths["/processes/{id}"]["parameters"] = {
       {{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}, {"enum", ids}}}}};
+  paths["/reports/{id}"]["parameters"] = {
+      {{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}}}}};
   for (const Operation& operation : catalogue())
     paths["/processes/" + operation.id + "/execution"] = execution(operation);
   return {{"openapi", "3.1.0"},
