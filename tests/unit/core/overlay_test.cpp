@@ -214,7 +214,9 @@ TEST(overlay, near_coincidence_is_rounded_to_a_valid_mesh) {
         expect_heights(o, a, b);
         EXPECT_LE(o.rounding.max_spill, 3 * o.rounding.max_move);
         EXPECT_LT(o.rounding.max_move, 2e-9);
-        if (snap == 0) EXPECT_EQ(static_cast<std::size_t>(o.rounding.regions), oracle_counts(a, b).regions);
+        if (snap == 0) {
+          EXPECT_EQ(static_cast<std::size_t>(o.rounding.regions), oracle_counts(a, b).regions);
+        }
       }
   }
 }

@@ -13,6 +13,9 @@ struct Expected {
   const char* crs;
 };
 
+/// Or the name of the test would hold the bytes of the struct, pointers included.
+void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.file; }
+
 class RealRasters : public testing::TestWithParam<Expected> {};
 
 TEST_P(RealRasters, AreWhatTheirSourceSays) {
