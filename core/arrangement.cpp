@@ -2,6 +2,7 @@
 #include "core/arrangement.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
@@ -52,13 +53,18 @@ void Arrangement::walk_edges(Context& context) {
   position_on_[0].assign(a.places.size(), none);
   position_on_[1].assign(mesh_[1]->places.size(), none);
   chains_[0].first.reserve(a.half.size() + 1);
+  // Terrain gives 4 crossings per vertex. Slivers across slivers can give the square of their number, which no memory
+  // holds; the second bound keeps the numbers of pieces within 32 bits.
+  const std::size_t most = std::min<std::size_t>(10'000'000 + 32 * static_cast<std::size_t>(base_[2]), 400'000'000);
   for (Index e = 0; e < static_cast<Index>(a.half.size()); ++e) {
     if ((e & 0xFFFF) == 0) context.progress("overlay", 0.2 + 0.2 * e / a.half.size());
     chains_[0].first.push_back(static_cast<Index>(chains_[0].nodes.size()));
     walk_edge(e);
-    if (base_[2] + crossings_.size() > 0x3FFFFFFF)
-      throw Error(ErrorKind::limit, "too-many-crossings",
-                  "the surfaces cross each other more often than 32-bit indices can number");
+    if (crossings_.size() > most)
+      throw Error(
+          ErrorKind::limit, "too-many-crossings",
+          "the surfaces cross each other more than " + std::to_string(most) +
+              " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
   }
   chains_[0].first.push_back(static_cast<Index>(chains_[0].nodes.size()));
 }
