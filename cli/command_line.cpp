@@ -2,6 +2,7 @@
 #include "cli/command_line.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "core/error.hpp"
 #include "ops/parameters.hpp"
@@ -55,6 +56,11 @@ CommandLine parse_command_line(const Operation& operation, std::span<const std::
   CommandLine line;
   Words rest(words);
   bool flags = true;
+  std::set<std::string> given;
+  const auto once = [&](const std::string& name, std::string value) {
+    if (!given.insert(name).second) throw Error(ErrorKind::usage, "repeated-flag", "'" + name + "' is given twice");
+    return value;
+  };
   while (!rest.empty()) {
     const std::string word = rest.take();
     if (flags && word == "--") {
@@ -67,11 +73,11 @@ CommandLine parse_command_line(const Operation& operation, std::span<const std::
     }
     const std::string flag = rest.name(word);
     if (flag == "-o" || flag == "--output")
-      line.output = rest.value(flag);
+      line.output = once("--output", rest.value(flag));
     else if (flag == "--report")
-      line.report = rest.value(flag);
+      line.report = once("--report", rest.value(flag));
     else if (flag == "--format" || flag == "-f")
-      line.format = rest.value(flag);
+      line.format = once("--format", rest.value(flag));
     else if (flag == "--quiet" || flag == "-q")
       line.quiet = rest.truth() == "true";
     else if (flag == "--force")

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 #include "core/error.hpp"
@@ -17,6 +18,13 @@ namespace {
 
 [[noreturn]] void fail(ErrorKind kind, const char* code, const std::string& what, const std::string& path) {
   throw Error(kind, code, what + " '" + path + "': " + std::strerror(errno));
+}
+
+/// A disk that takes no more is a limit of the machine; everything else is wrong with the name that was asked for.
+[[noreturn]] void fail_to_store(const char* what, const std::string& path) {
+  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == EIO;
+  if (full) fail(ErrorKind::limit, "disk-full", what, path);
+  fail(ErrorKind::output, "not-stored", what, path);
 }
 
 class Descriptor {
@@ -37,7 +45,7 @@ void write_all(int fd, std::string_view bytes, const std::string& path) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(ErrorKind::output, "not-stored", "cannot write", path);
+    if (n < 0) fail_to_store("cannot write", path);
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
 }
@@ -58,7 +66,7 @@ void put_in_place(const std::string& temporary, const std::string& path, bool fo
   const int reason = errno;
   ::unlink(temporary.c_str());
   errno = reason;
-  fail(ErrorKind::output, "not-stored", "cannot store", path);
+  fail_to_store("cannot store", path);
 }
 
 }  // namespace
@@ -95,20 +103,20 @@ void store_file(const std::string& path, std::string_view bytes, bool force) {
   const bool exists = path != "-" && ::stat(path.c_str(), &facts) == 0;
   if (path == "-" || (exists && !S_ISREG(facts.st_mode))) {
     const Descriptor out(path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    if (out.get() < 0) fail(ErrorKind::output, "not-stored", "cannot write", path);
+    if (out.get() < 0) fail_to_store("cannot write", path);
     write_all(out.get(), bytes, path);
     return;
   }
   std::string temporary = folder_of(path) + "/." + file_name(path) + ".XXXXXX";
   {
     const Descriptor out(::mkostemp(temporary.data(), O_CLOEXEC));
-    if (out.get() < 0) fail(ErrorKind::output, "not-stored", "cannot write", path);
+    if (out.get() < 0) fail_to_store("cannot write", path);
     try {
       const mode_t mask = ::umask(0);
       ::umask(mask);
       write_all(out.get(), bytes, path);
       if (::fchmod(out.get(), 0666 & ~mask) != 0 || ::fsync(out.get()) != 0)
-        fail(ErrorKind::output, "not-stored", "cannot write", path);
+        fail_to_store("cannot write", path);
     } catch (...) {
       ::unlink(temporary.c_str());
       throw;
@@ -117,6 +125,17 @@ void store_file(const std::string& path, std::string_view bytes, bool force) {
   put_in_place(temporary, path, force);
   const Descriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() >= 0) ::fsync(folder.get());
+}
+
+bool is_same_place(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  if (a == "-" || b == "-") return false;
+  std::error_code error;
+  const auto place = [&](const std::string& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  };
+  const auto first = place(a), second = place(b);
+  return !error && first == second;
 }
 
 }  // namespace terrane

@@ -76,6 +76,10 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   const bool prints = kind == ResultKind::report || kind == ResultKind::table;
   if (line.output.empty() && !prints)
     throw Error(ErrorKind::usage, "missing-output", "'" + operation.id + "' needs -o OUTPUT (- for standard output)");
+  const std::string output = line.output.empty() ? "-" : line.output;
+  if (!line.report.empty() && is_same_place(output, line.report))
+    throw Error(ErrorKind::usage, "same-output",
+                "the result and the certificate would both go to '" + output + "'; give --report another name");
 
   ProgressLine progress(line.quiet);
   Context context;
@@ -84,7 +88,7 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   const Response response = execute(made, context);
   progress.clear();
   if (!line.quiet) print_warnings(response.warnings);
-  store_file(line.output.empty() ? "-" : line.output, response.body, line.force);
+  store_file(output, response.body, line.force);
   if (!line.report.empty()) store_file(line.report, response.report.dump(2) + "\n", line.force);
 }
 

@@ -1,0 +1,31 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the command line says of outputs: where two of them meet, flags given twice, a disk that is full.
+# Usage: command_line_outputs.sh TERRANE
+set -u
+terrane=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > a.obj
+failed=0
+expect() {  # CODE WORDS... : the exit code of terrane WORDS
+  local code=$1 got
+  shift
+  "$terrane" "$@" > out 2> err
+  got=$?
+  [ $got = "$code" ] || { echo "terrane $*: exit code $got, not $code"; cat err; failed=1; }
+}
+expect 0 convert a.obj -o b.obj --report b.json
+expect 2 convert a.obj -o c.obj --report c.obj
+expect 2 convert a.obj -o c.obj --report ./c.obj
+expect 2 convert a.obj -o - --format obj --report -
+expect 2 info a.obj --report -
+expect 2 convert a.obj -o c.obj -o d.obj
+expect 2 convert a.obj -o c.obj --output=d.obj
+expect 2 convert a.obj -o c.obj --report c.json --report d.json
+expect 2 convert a.obj -o c.obj --format obj -f ply
+expect 2 convert a.obj -o missing/c.obj
+[ ! -e c.obj ] || { echo "a refused command left c.obj"; failed=1; }
+[ ! -c /dev/full ] || expect 4 convert a.obj --format obj -o /dev/full
+exit $failed
