@@ -2,8 +2,10 @@
 #include "core/triangulate.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "core/error.hpp"
 #include "core/triangulate_greedy.hpp"
@@ -13,6 +15,11 @@ namespace terrane {
 
 namespace {
 
+std::string shortest(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
 /// Integer geometry carries over to the doubles when a cell is much wider than the spacing of doubles where it lies.
 void check_lattice(const Raster& dem) {
   const auto cells = [&](double origin, double cell, int count) {
@@ -21,7 +28,7 @@ void check_lattice(const Raster& dem) {
   };
   if (!cells(dem.x0, dem.dx, dem.width) || !cells(dem.y0, dem.dy, dem.height)) {
     throw Error(ErrorKind::input, "cell-size",
-                "the cells of the raster (" + std::to_string(dem.dx) + " x " + std::to_string(dem.dy) +
+                "the cells of the raster (" + shortest(dem.dx) + " x " + shortest(dem.dy) +
                     ") cannot be told apart at its coordinates; check its georeference");
   }
   if (dem.samples.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()) / 2) {
@@ -43,10 +50,15 @@ void check_heights(const Raster& dem) {
 
 }  // namespace
 
-Triangulated triangulate(const Raster& dem, const TriangulateOptions& options, Context& context) {
-  if (dem.width < 2 || dem.height < 2) return {};
+void check_triangulable(const Raster& dem) {
+  if (dem.width < 2 || dem.height < 2) return;
   check_lattice(dem);
   check_heights(dem);
+}
+
+Triangulated triangulate(const Raster& dem, const TriangulateOptions& options, Context& context) {
+  if (dem.width < 2 || dem.height < 2) return {};
+  check_triangulable(dem);
   if (options.max_error > 0) return triangulate_greedily(dem, options, context);
   Tin whole = triangulate_every_sample(dem, context);
   if (options.max_triangles > 0 && whole.faces.size() > options.max_triangles) {

@@ -9,6 +9,9 @@
 
 namespace terrane {
 
+/// Refuses heights and cells that no TIN can hold in doubles. Readers ask too, for they know the name of the input.
+void check_triangulable(const Raster& dem);
+
 struct TriangulateOptions {
   double max_error = 0;           // vertical bound at every sample, in the raster's height unit; 0 = every sample a vertex
   std::size_t max_triangles = 0;  // 0 = no limit; stops greedy insertion early, the error reached is reported
@@ -26,6 +29,7 @@ struct Triangulated {
 /// domain's border (Garland & Heckbert 1995), the border itself simplified run by run within the same bound and from the
 /// run's samples alone, so that tiles with a shared edge of samples meet vertex on vertex.
 /// O(s) for max_error = 0; about O(s log n) for s samples and n vertices otherwise.
+/// Rasters that `check_triangulable` refuses are refused.
 Triangulated triangulate(const Raster& dem, const TriangulateOptions& options, Context& context);
 
 }  // namespace terrane

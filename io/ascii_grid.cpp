@@ -22,6 +22,7 @@ class GridReader {
     read_header();
     place();
     read_samples();
+    check_raster(options_, raster_);
     Dataset out;
     out.surface = std::move(raster_);
     return out;
@@ -31,6 +32,8 @@ class GridReader {
   [[noreturn]] void bad(std::string code, const std::string& element, const std::string& what) const {
     bad_input(options_, std::move(code), element, what);
   }
+
+  [[noreturn]] void cut_off() const { bad("truncated", "header", "the file ends within its header; send it again"); }
 
   std::string_view word() {
     p_ = skip_spaces(p_, end_);
@@ -66,14 +69,18 @@ class GridReader {
       p_ = before;
       return false;
     }
+    const bool first = before == skip_spaces(begin_, end_);
+    if (!slot && p_ == end_ && !first) cut_off();
     if (!slot)
-      bad(before == skip_spaces(begin_, end_) ? "wrong-magic" : "bad-header", "header",
+      bad(first ? "wrong-magic" : "bad-header", "header",
           "an entry that no ASCII grid has; it begins with ncols");
     const std::string_view text = word();
     double value = 0;
     const char* after = parse_number(text.data(), text.data() + text.size(), value);
     if (slot == &no_data_ && lower(text) == "nan") {
       value = std::numeric_limits<double>::quiet_NaN();
+    } else if (text.empty() || (!after && p_ == end_)) {
+      cut_off();
     } else if (!after || after != text.data() + text.size()) {
       bad("bad-number", "header", key + " needs a finite number");
     }
@@ -83,6 +90,7 @@ class GridReader {
   }
 
   int count(const std::optional<double>& value, const char* key) const {
+    if (!value && p_ == end_ && skip_spaces(begin_, end_) != end_) cut_off();
     if (!value) bad("bad-header", "header", std::string(key) + " is missing");
     if (!(*value >= 1 && *value <= 0x7fffffff) || *value != std::floor(*value))
       bad("bad-number", "header", std::string(key) + " must be a whole number from 1 up");
@@ -149,7 +157,7 @@ Format ascii_grid_format() {
           "application/x-esri-ascii-grid",
           "Esri ASCII grid; it holds no CRS, so give one with assume-crs.",
           [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return GridReader(bytes, options, context).read();
+            return GridReader(without_mark(bytes), options, context).read();
           },
           nullptr,
           [](std::string_view head) {

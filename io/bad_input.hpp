@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/error.hpp"
+#include "core/triangulate.hpp"
 #include "io/format.hpp"
 
 // How a reader complains: "t3.obj, line 42: a coordinate is not a finite number". One shape for every format.
@@ -24,6 +25,15 @@ inline void check_count(const ReadOptions& options, std::size_t count, std::size
     throw Error(ErrorKind::limit, std::string("too-many-") + things,
                 (options.name.empty() ? "input" : options.name) + ": more than " + std::to_string(limit) + " " +
                     things + "; split the input into tiles or raise the limit");
+}
+
+/// Refuses a raster that no TIN can be made of while the input's name is known.
+inline void check_raster(const ReadOptions& options, const Raster& raster) {
+  try {
+    check_triangulable(raster);
+  } catch (const Error& error) {
+    throw Error(error.kind, error.code, (options.name.empty() ? "input" : options.name) + ": " + error.what());
+  }
 }
 
 /// The CRS a file declares. One that cannot be understood is a warning and none, because `crs` may yet replace it.

@@ -38,7 +38,7 @@ const Format* format_of_file(std::string_view file_name) {
 
 const Format* format_of_bytes(std::string_view head) {
   for (const Format& format : formats())
-    if (format.sniff && format.sniff(head)) return &format;
+    if (format.sniff && format.sniff(without_mark(head))) return &format;
   return nullptr;
 }
 

@@ -47,6 +47,7 @@ class TiffReader {
     out.crs = read_crs();
     convert_heights(raster, out.crs);
     turn_north_up(raster);
+    check_raster(options_, raster);
     out.surface = std::move(raster);
     return out;
   }

@@ -244,7 +244,7 @@ Format obj_format() {
           "model/obj",
           "Wavefront OBJ, Z up, with full double precision and the CRS in a comment.",
           [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return ObjReader(bytes, options, context).read();
+            return ObjReader(without_mark(bytes), options, context).read();
           },
           write_obj,
           sniff_obj};

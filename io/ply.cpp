@@ -297,7 +297,7 @@ Format ply_format() {
           "model/ply",
           "PLY, binary little-endian doubles (ASCII, big-endian and floats are read), CRS in a comment.",
           [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return PlyReader(bytes, options, context).read();
+            return PlyReader(without_mark(bytes), options, context).read();
           },
           write_ply,
           [](std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r\n"); }};

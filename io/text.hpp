@@ -40,6 +40,12 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Without the byte order mark that some editors put before UTF-8.
+inline std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 inline std::string lower(std::string_view text) {
   std::string out(text);
   for (char& c : out)

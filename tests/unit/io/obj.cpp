@@ -26,6 +26,17 @@ TEST(Obj, ReadsWhatOthersWrite) {
   EXPECT_EQ(tin.faces, (std::vector<Face>{{0, 1, 2}}));
 }
 
+TEST(Obj, AByteOrderMarkIsNoContent) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(read_tin("obj", mark + square + "f 1 2 3\n").faces, (std::vector<Face>{{0, 1, 2}}));
+  EXPECT_EQ(format_of_bytes(mark + square), format_named("obj"));
+  EXPECT_EQ(complaint("obj", mark + mark + square + "f 1 2 3\n").code, "bad-line");
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 0\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n";
+  EXPECT_EQ(read_tin("ply", mark + ply).vertices, read_tin("ply", ply).vertices);
+}
+
 TEST(Obj, NegativeIndicesCountBackwards) {
   EXPECT_EQ(read_tin("obj", square + "f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n").faces,
             (std::vector<Face>{{0, 1, 2}, {0, 2, 3}}));

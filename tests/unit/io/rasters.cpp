@@ -175,6 +175,23 @@ TEST(AsciiGrid, ReadsCornersAndCentres) {
   expect_samples(centred, {1, 2, 3, 4, nan, 6});
 }
 
+TEST(AsciiGrid, AHeaderThatIsCutOffIsTruncated) {
+  const std::string whole = "ncols 3\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 10\n";
+  for (const std::size_t length : {9u, 14u, 18u, 25u, 40u, 44u})
+    EXPECT_COMPLAINT(complaint("asc", whole.substr(0, length)), "truncated", "bad.file");
+  EXPECT_COMPLAINT(complaint("asc", "ncols 3\nfoo 3\n"), "bad-header", "header");
+  EXPECT_EQ(read_raster("asc", "\xEF\xBB\xBF" + whole + "1 2 3 4 5 6 7 8 9").samples[4], 5);
+}
+
+TEST(AsciiGrid, WhatNoTinCanHoldIsRefusedByName) {
+  const auto grid = [](const std::string& x, const std::string& cell, const std::string& height) {
+    return "ncols 2\nnrows 2\nxllcenter " + x + "\nyllcenter 0\ncellsize " + cell + "\n1 2 3 " + height + "\n";
+  };
+  EXPECT_COMPLAINT(complaint("asc", grid("0", "10", "1e300")), "not-finite", "row 1, column 1");
+  EXPECT_COMPLAINT(complaint("asc", grid("1e8", "1e-9", "4")), "cell-size", "1e-09 x 1e-09");
+  EXPECT_COMPLAINT(complaint("asc", grid("0", "1e307", "4")), "cell-size", "1e+307 x 1e+307");
+}
+
 TEST(AsciiGrid, BadOnesAreRefused) {
   EXPECT_COMPLAINT(complaint("asc", grid + "1.25 2.25 3.25\n4 5"), "truncated", "row 1, column 2");
   EXPECT_COMPLAINT(complaint("asc", grid + "1 2 3\n4 5 6 7"), "bad-grid", "");
