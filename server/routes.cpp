@@ -31,6 +31,7 @@ struct Exchange {
   Call call;
   std::string id;
   Connection::Clock::time_point start = Connection::Clock::now();
+  bool has_host = true;     // exactly one, as HTTP/1.1 demands
   bool has_header = false;  // the library understood the request line and the header
   bool has_body = false, body_is_read = false;
   std::optional<ChunkGuard> chunks;  // of a body that comes in chunks
@@ -71,6 +72,7 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   call.method = request.method == "HEAD" ? "GET" : request.method;
   call.path = request.path;
   call.query.assign(request.params.begin(), request.params.end());
+  exchange.has_host = request.version != "HTTP/1.1" || request.headers.count("Host") == 1;
   call.host = request.get_header_value("Host");
   call.content_type = request.get_header_value("Content-Type");
   call.content_encoding = request.get_header_value("Content-Encoding");
@@ -107,6 +109,7 @@ void fill_problem(httplib::Response& response, const std::exception& exception) 
 /// Everything before the body: true when the answer is there.
 bool answer_header(Service& service, httplib::Response& response) {
   try {
+    if (!current->has_host) throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
     if (current->call.path.size() > max_path)
       throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
     std::optional<Reply> reply = service.answer_header(current->call);
@@ -155,11 +158,32 @@ void explain(httplib::Response& response) {
 
 void finish_headers(httplib::Response& response) {
   response.headers.erase("Accept-Ranges");
-  if (current->must_close()) response.set_header("Connection", "close");
+  if (current->must_close()) {
+    response.headers.erase("Connection");  // set_header adds, and the library may have said it already
+    response.set_header("Connection", "close");
+  }
   if (response.get_header_value("Connection") == "close") response.headers.erase("Keep-Alive");
   if (current->id.empty()) current->id = request_id("");
   response.set_header("X-Request-Id", current->id);
   response.set_header("X-Content-Type-Options", "nosniff");
+}
+
+/// A request line that spends the whole budget of the header is nothing the library answers.
+bool answer_endless_line(Exchange& exchange) {
+  if (exchange.has_header || !exchange.connection.header_too_large()) return false;
+  const Reply reply =
+      problem_reply(HttpError(414, "path-too-long", "The path with its query is longer than 8192 bytes; send "
+                                                    "parameters as form fields."));
+  exchange.id = request_id("");
+  const std::string answer = "HTTP/1.1 414 " + std::string(status_title(414)) + "\r\nContent-Type: " + reply.media_type +
+                             "\r\nContent-Length: " + std::to_string(reply.body.size()) +
+                             "\r\nConnection: close\r\nX-Request-Id: " + exchange.id +
+                             "\r\nX-Content-Type-Options: nosniff\r\n\r\n" + reply.body;
+  const bool sent = exchange.connection.write(answer.data(), answer.size()) == static_cast<long>(answer.size());
+  const double seconds = std::chrono::duration<double>(Connection::Clock::now() - exchange.start).count();
+  log_request({exchange.id, exchange.connection.remote_address(), "", "", 414, seconds, exchange.bytes_in,
+               reply.body.size(), exchange.failure});
+  return sent;
 }
 
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
@@ -214,7 +238,8 @@ struct HttpServer::Library : httplib::Server {
       connection.begin_header();
       bool client_closes = false;
       const bool answered = process_request(stream, stopping, client_closes,
-                                            [&](httplib::Request& request) { adopt(exchange, request); });
+                                            [&](httplib::Request& request) { adopt(exchange, request); }) ||
+                            answer_endless_line(exchange);
       current = nullptr;
       if (exchange.must_close() && answered) connection.linger();
       must_close = !answered || client_closes || exchange.must_close() || stopping;

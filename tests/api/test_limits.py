@@ -99,6 +99,18 @@ class Bodies(unittest.TestCase):
         self.assertEqual(self.status(b"hello\r\n\r\n"), 400)
         self.assertEqual(self.status(b"GET /health HTTP/1.1\r\nX: " + b"a" * 200_000 + b"\r\n\r\n"), 431)
         self.assertEqual(self.status(b"GET /" + b"a" * 20_000 + b" HTTP/1.1\r\n\r\n"), 414)
+        self.assertEqual(self.status(b"GET /" + b"a" * 200_000 + b" HTTP/1.1\r\n\r\n"), 414)
+
+    def test_one_host_is_needed(self):
+        self.assertEqual(self.status(b"GET /health HTTP/1.1\r\nConnection: close\r\n\r\n"), 400)
+        self.assertEqual(self.status(b"GET /health HTTP/1.1\r\nHost: x\r\nHost: y\r\nConnection: close\r\n\r\n"), 400)
+        old = self.service.raw(b"GET /health HTTP/1.0\r\nConnection: close\r\n\r\n")
+        self.assertEqual(int(old.split()[1]), 200, old)
+
+    def test_closing_is_said_once(self):
+        answer = self.service.raw(b"POST " + EXECUTION.encode() + b" HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")
+        self.assertEqual(int(answer.split()[1]), 411, answer)
+        self.assertEqual(answer.count(b"Connection: close"), 1, answer)
 
     def test_a_refused_body_is_not_the_next_request(self):
         smuggled = b"GET /health HTTP/1.1\r\nHost: x\r\n\r\n"
