@@ -176,7 +176,8 @@ bool answer_endless_line(Exchange& exchange) {
                                                     "parameters as form fields."));
   exchange.id = request_id("");
   const std::string answer = "HTTP/1.1 414 " + std::string(status_title(414)) +
-                             "\r\nContent-Type: " + reply.media_type + "\r\nContent-Length: " + std::to_string(reply.body.size()) +
+                             "\r\nContent-Type: " + reply.media_type +
+                             "\r\nContent-Length: " + std::to_string(reply.body.size()) +
                              "\r\nConnection: close\r\nX-Request-Id: " + exchange.id +
                              "\r\nX-Content-Type-Options: nosniff\r\n\r\n" + reply.body;
   const bool sent = exchange.connection.write(answer.data(), answer.size()) == static_cast<long>(answer.size());
