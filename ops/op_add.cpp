@@ -45,9 +45,9 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   Assembled sum = combine(a.tin(), b.tin(), +1, p.outside, {p.seam, 0}, context);
   if (sum.tin.faces.empty()) refuse_no_overlap(a, b, "outside=keep");
 
-  const double united = union_area({&a.tin(), &b.tin()}, context),
-               apart = area(a.tin(), nullptr) + area(b.tin(), nullptr);
-  outcome.expected_area = p.outside == Outside::drop ? apart - united : united;
+  const double apart = area(a.tin(), nullptr) + area(b.tin(), nullptr);
+  if (const auto united = union_area({&a.tin(), &b.tin()}, context))
+    outcome.expected_area = p.outside == Outside::drop ? apart - *united : *united;
   // What the two say of each other, as a merge would report it.
   Merged measured = merge({a.tin(), b.tin()}, {Overlap::first, {Seam::split, 0}}, context);
   for (SeamPair& pair : measured.seams) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "core/arithmetic.hpp"
 #include "core/volume.hpp"
 #include "ops/inputs.hpp"
@@ -42,15 +44,19 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
     return outcome;
   }
   warn_feet_beside_metres(minuend, subtrahend, context);
+  const double area_a = area(minuend.tin(), nullptr), area_b = area(subtrahend.tin(), nullptr);
   // The overlap by the borders alone is what the difference's area is held against.
-  const double united = union_area({&minuend.tin(), &subtrahend.tin()}, context);
-  const double overlap = area(minuend.tin(), nullptr) + area(subtrahend.tin(), nullptr) - united;
+  const auto united = union_area({&minuend.tin(), &subtrahend.tin()}, context);
   Assembled difference = combine(minuend.tin(), subtrahend.tin(), -1, p.outside, {p.seam, 0}, context);
-  if (difference.tin.faces.empty() || overlap <= 1e-12 * united) {
+  // Whether they overlap is for the overlay to say, where it returns nothing but the overlap.
+  const double overlap = p.outside == Outside::drop ? area(difference.tin, nullptr)
+                         : united                   ? area_a + area_b - *united
+                                                    : std::min(area_a, area_b);
+  if (difference.tin.faces.empty() || overlap <= 1e-12 * std::min(area_a, area_b)) {
     if (!p.allow_empty) refuse_no_overlap(minuend, subtrahend);
     if (p.outside == Outside::drop) warn_no_overlap(minuend, subtrahend, context);
   }
-  outcome.expected_area = p.outside == Outside::zero ? united : overlap;
+  if (united) outcome.expected_area = p.outside == Outside::zero ? *united : area_a + area_b - *united;
   outcome.expected_height = difference_of_heights(p.outside);
   outcome.rounding = difference.rounding;
   outcome.result = std::move(difference.tin);
