@@ -15,8 +15,8 @@ bool is_boolean(const Operation& operation, const std::string& name) {
                      [&](const Parameter& p) { return p.name == name && p.type == Parameter::Type::boolean; });
 }
 
-/// A word that starts a flag: "-o", "--seam", "--seam=wall", but not "-", not "-5".
-bool is_flag(const std::string& word) { return word.size() > 1 && word[0] == '-' && !parse_number(word); }
+/// A word that starts a flag: "-o", "--seam", "--seam=wall", but not "-", "-5" or "-5ft".
+bool is_flag(const std::string& word) { return word.size() > 1 && word[0] == '-' && !Length::read(word); }
 
 /// Reads flags one by one, with their values.
 class Words {

@@ -41,7 +41,7 @@ void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
     const std::string path = part.name;
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
                                    [&](const InputSlot& s) { return s.name == part.slot; });
-    if (slot->takes_number && parse_number(path) && ::access(path.c_str(), F_OK) != 0) {
+    if (slot->takes_number && Length::read(path) && ::access(path.c_str(), F_OK) != 0) {
       part.bytes = path;
       part.name.clear();
       continue;

@@ -132,6 +132,7 @@ DemTin dem_tin(const Raster& dem, const Crs& from, const Crs& to, const std::str
     if (!moves) return result;
     const std::size_t warnings = context.warnings.size();
     move_to(result.tin, from, to, name, result.planarity_error, context);
+    result.tin = checked(std::move(result.tin), name, context);
     if (options.max_error == 0) return result;  // every sample is a vertex and went where it goes
     result.error = largest_error(result.tin, samples, context);
     if (result.error <= options.max_error || options.max_triangles > 0) return result;

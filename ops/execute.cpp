@@ -38,7 +38,8 @@ nlohmann::json raster_facts(const Raster& dem) {
 Surface decode(const InputPart& part, const InputSlot& slot, const Operation& operation, Context& context) {
   Surface surface{part.slot, label(part), sha256(part.bytes), 0.0, {}, nullptr, 0};
   if (const auto level = level_of(part, slot)) {
-    surface.value = *level;
+    surface.value = level->value;
+    surface.level_unit = level->unit;
     return surface;
   }
   Dataset data = input_format(part).read(part.bytes, {.name = surface.name}, context);

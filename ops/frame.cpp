@@ -13,6 +13,19 @@
 namespace terrane {
 namespace {
 
+/// One place would be on the sheet twice.
+[[noreturn]] void refuse_twice_round(const Surface& west, const Surface& east) {
+  const auto range = [](const Surface& s) {
+    const Box box = box_of(s);
+    return "'" + s.name + "' (" + nlohmann::json(box.xmin).dump() + " to " + nlohmann::json(box.xmax).dump() + ")";
+  };
+  const std::string which =
+      &west == &east ? "those of " + range(west) : "together those of " + range(west) + " and " + range(east);
+  throw Error(ErrorKind::input, "longitudes",
+              "longitudes go more than once round the globe: " + which +
+                  "; clip '" + east.name + "', or shift it to the range of the other inputs");
+}
+
 /// Whole tiles of geographic CRSs beside each other, however their longitudes are counted.
 void unwrap(std::vector<Surface>& surfaces) {
   std::vector<Surface*> tiles;
@@ -22,6 +35,13 @@ void unwrap(std::vector<Surface>& surfaces) {
       tiles.push_back(&s), boxes.push_back(box_of(s));
   if (tiles.size() < 2) return;
   const auto shifts = unwrap_longitudes(boxes);
+  std::size_t west = 0, east = 0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    boxes[i].xmin += shifts[i], boxes[i].xmax += shifts[i];
+    if (boxes[i].xmin < boxes[west].xmin) west = i;
+    if (boxes[i].xmax > boxes[east].xmax) east = i;
+  }
+  if (boxes[east].xmax - boxes[west].xmin > 360 + 1e-6) refuse_twice_round(*tiles[west], *tiles[east]);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (shifts[i] == 0) continue;
     if (Tin* tin = std::get_if<Tin>(&tiles[i]->value))
@@ -147,6 +167,8 @@ void bring(Surface& s, const Crs& crs, const Plan& plan, Reprojection& moved, Co
     Tin tin = std::move(std::get<Tin>(s.value));
     if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
     move_to(tin, s.crs, crs, s.name, moved.planarity_error, context);
+    // Places may have become one: a pole is a whole row of longitudes.
+    if (plan.operation->intake.check && differs(s.crs, crs)) tin = checked(std::move(tin), s.name, context);
     s.value = std::move(tin);
   }
 }
@@ -158,6 +180,11 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
   assign_crs(surfaces, plan);
   Frame frame;
   frame.crs = choose_crs(surfaces, plan, context);
+  for (Surface& s : surfaces)
+    if (double* level = std::get_if<double>(&s.value)) {
+      *level = Length{*level, s.level_unit}.in(frame.crs.known() ? frame.crs.metres_per_height_unit() : 1.0);
+      s.level_unit.clear();
+    }
   for (const Surface& s : surfaces) {
     InputRecord record{s.slot, s.name, s.sha256, s.crs, {}, 0, 0, {}, "", std::holds_alternative<Raster>(s.value)};
     if (s.level()) record.level = std::get<double>(s.value);

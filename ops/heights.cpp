@@ -13,7 +13,14 @@ namespace terrane {
 namespace {
 
 int cell_of(double value, double low, double size, int count) {
-  return std::clamp(static_cast<int>((value - low) / size), 0, count - 1);
+  const double cell = (value - low) / size;
+  return !(cell > 0) ? 0 : cell < count - 1 ? static_cast<int>(cell) : count - 1;
+}
+
+/// How many cells of that side along an extent: one where either is not finite.
+int cells_along(double extent, double side) {
+  const double count = extent / side;
+  return !std::isfinite(count) || count < 1 ? 1 : static_cast<int>(std::min(count, 4096.0));
 }
 
 /// The x-range of a triangle within a horizontal strip: long slivers must not fill the cells of their whole box.
@@ -35,8 +42,8 @@ HeightField::HeightField(const Tin& tin) : tin_(tin), border_(3 * tin.faces.size
   for (Index h : plan_topology(tin).border) border_[h] = true;
   const double width = std::max(box_.xmax - box_.xmin, 0.0), height = std::max(box_.ymax - box_.ymin, 0.0);
   const double side = std::sqrt(std::max(width * height, 1e-300) / std::max<std::size_t>(tin.faces.size() / 2, 1));
-  columns_ = static_cast<int>(std::clamp(width / side, 1.0, 4096.0));
-  rows_ = static_cast<int>(std::clamp(height / side, 1.0, 4096.0));
+  columns_ = cells_along(width, side);
+  rows_ = cells_along(height, side);
   cell_x_ = width > 0 ? width / columns_ : 1;
   cell_y_ = height > 0 ? height / rows_ : 1;
 

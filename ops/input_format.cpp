@@ -36,9 +36,9 @@ std::string readable_formats() {
 
 std::string label(const InputPart& part) { return part.name.empty() ? part.slot : part.name; }
 
-std::optional<double> level_of(const InputPart& part, const InputSlot& slot) {
+std::optional<Length> level_of(const InputPart& part, const InputSlot& slot) {
   if (!slot.takes_number || part.bytes.size() > 64) return {};
-  return parse_number(part.bytes);
+  return Length::read(part.bytes);
 }
 
 const Format& input_format(const InputPart& part) {

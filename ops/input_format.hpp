@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ops/operation.hpp"
+#include "ops/parameters.hpp"
 
 namespace terrane {
 
@@ -12,7 +13,7 @@ namespace terrane {
 std::string label(const InputPart& part);
 
 /// The level a part stands for, when its input takes one and the part holds nothing but a number.
-std::optional<double> level_of(const InputPart& part, const InputSlot& slot);
+std::optional<Length> level_of(const InputPart& part, const InputSlot& slot);
 
 /// The format of a part: its media type unless that is generic, then the file name, then the first bytes.
 /// Throws Error{unsupported} listing what can be read.

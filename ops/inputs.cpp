@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/validate.hpp"
 #include "ops/measure.hpp"
 
 namespace terrane {
@@ -32,6 +33,7 @@ std::string no_overlap(const Surface& a, const Surface& b) {
   const double gap = apart(a, b);
   std::snprintf(text, sizeof text, gap < 1000 ? "%.4g %s" : "%.0f %s", gap,
                 degrees || !a.crs.known() ? "m" : a.crs.length_unit().c_str());
+  if (gap == 0) return message + ": they only touch";
   return message + ": they are about " + text + " apart";
 }
 
@@ -60,6 +62,19 @@ void refuse_no_overlap(const Surface& a, const Surface& b, const std::string& re
 
 void warn_no_overlap(const Surface& a, const Surface& b, Context& context) {
   context.warn({"no-overlap", "", "", no_overlap(a, b) + "; the result is empty", "check their CRSs"});
+}
+
+Tin with_heights(Tin tin, double scale, double raise, const std::string& name, const std::string& doing) {
+  for (std::size_t v = 0; v < tin.vertices.size(); ++v) {
+    double& z = tin.vertices[v].z;
+    const double before = z;
+    z = z * scale + raise;
+    if (!(std::fabs(z) <= largest_coordinate))
+      throw Error(ErrorKind::input, "overflow",
+                  "the height of vertex " + std::to_string(v) + " of '" + name + "', " + nlohmann::json(before).dump() +
+                      ", gets too large with " + doing + ": heights up to 1e100 can be computed with");
+  }
+  return tin;
 }
 
 void warn_feet_beside_metres(const Surface& a, const Surface& b, Context& context) {

@@ -20,6 +20,10 @@ Surface& input(std::vector<Surface>& inputs, std::string_view slot);
 /// The same as a warning, for `allow-empty`.
 void warn_no_overlap(const Surface& a, const Surface& b, Context& context);
 
+/// The surface with its heights scaled, then raised. Throws Error{input, "overflow"} naming the vertex and what was
+/// done, where a height gets too large to compute with.
+Tin with_heights(Tin tin, double scale, double raise, const std::string& name, const std::string& doing);
+
 /// Heights of one surface about 3.28 times the other's: feet beside metres.
 void warn_feet_beside_metres(const Surface& a, const Surface& b, Context& context);
 

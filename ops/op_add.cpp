@@ -38,7 +38,9 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   Surface &a = input(inputs, "a"), &b = input(inputs, "b");
   Outcome outcome;
   if (b.level()) {
-    outcome.result = offset(std::move(std::get<Tin>(a.value)), std::get<double>(b.value));
+    const double level = std::get<double>(b.value);
+    outcome.result = with_heights(std::move(std::get<Tin>(a.value)), 1, level, a.name,
+                                  nlohmann::json(level).dump() + " added (input '" + b.slot + "')");
     return outcome;
   }
   warn_feet_beside_metres(a, b, context);

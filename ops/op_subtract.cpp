@@ -40,7 +40,9 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
   Surface &minuend = input(inputs, "minuend"), &subtrahend = input(inputs, "subtrahend");
   Outcome outcome;
   if (subtrahend.level()) {
-    outcome.result = offset(std::move(std::get<Tin>(minuend.value)), -std::get<double>(subtrahend.value));
+    const double level = std::get<double>(subtrahend.value);
+    outcome.result = with_heights(std::move(std::get<Tin>(minuend.value)), 1, -level, minuend.name,
+                                  nlohmann::json(level).dump() + " subtracted (input '" + subtrahend.slot + "')");
     return outcome;
   }
   warn_feet_beside_metres(minuend, subtrahend, context);

@@ -23,7 +23,9 @@ Outcome run(std::vector<Surface>& inputs, const TransformParameters& p, Context&
   Tin tin = std::move(std::get<Tin>(surface.value));
   const double offset = p.z_offset.in(surface.crs.known() ? surface.crs.metres_per_height_unit() : 1.0);
   if (p.z_scale != 1 || offset != 0)
-    for (Point& v : tin.vertices) v.z = v.z * p.z_scale + offset;
+    tin = with_heights(std::move(tin), p.z_scale, offset, surface.name,
+                       "z-scale=" + nlohmann::json(p.z_scale).dump() + " and z-offset=" +
+                           nlohmann::json(offset).dump());
   Outcome outcome;
   outcome.result = std::move(tin);
   return outcome;

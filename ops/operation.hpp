@@ -49,6 +49,7 @@ struct Surface {
   Crs crs;
   nlohmann::json source;  // what a raster was before it was triangulated, for `info`; null for a TIN
   double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS
+  std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }
   const Tin& tin() const { return std::get<Tin>(value); }

@@ -53,7 +53,7 @@ double Length::in(double metres_per_unit) const {
   return unit.empty() ? value : value * metres(unit) / metres_per_unit;
 }
 
-Length Length::parse(std::string_view text, const std::string& parameter) {
+std::optional<Length> Length::read(std::string_view text) {
   std::string_view number = trimmed(text);
   std::string unit;
   for (const char* word : {"ftUS", "ft", "m"})
@@ -61,12 +61,15 @@ Length Length::parse(std::string_view text, const std::string& parameter) {
       unit = word;
       number.remove_suffix(unit.size());
     }
-  const auto value = parse_number(number);
-  if (!value)
-    throw Error(ErrorKind::usage, "bad-parameter",
-                "parameter '" + parameter + "' is '" + std::string(text.substr(0, 80)) +
-                    "'; it takes a number, with or without one of the units m, ft, ftUS");
-  return {*value, unit};
+  if (const auto value = parse_number(number)) return Length{*value, unit};
+  return {};
+}
+
+Length Length::parse(std::string_view text, const std::string& parameter) {
+  if (const auto length = read(text)) return *length;
+  throw Error(ErrorKind::usage, "bad-parameter",
+              "parameter '" + parameter + "' is '" + std::string(text.substr(0, 80)) +
+                  "'; it takes a number, with or without one of the units m, ft, ftUS");
 }
 
 nlohmann::json Length::json() const {

@@ -24,7 +24,9 @@ struct Length {
 
   /// In a unit of that many metres.
   double in(double metres_per_unit) const;
-  /// "5 ft", "0.25": throws Error{usage} naming the parameter.
+  /// "5 ft", "0.25"; none where the text is no length.
+  static std::optional<Length> read(std::string_view text);
+  /// The same, but throws Error{usage} naming the parameter.
   static Length parse(std::string_view text, const std::string& parameter);
   nlohmann::json json() const;  // a number, or "5ft"
   static Length of(const nlohmann::json& value);
