@@ -30,6 +30,10 @@ class MeshEditor {
   /// mesh.
   bool merge(Index f, int k, Index keep);
 
+  /// Takes away face f, whose edge opposite corner k is on the border: the border then runs through that corner. False when
+  /// the corner is on the border already, where the mesh would come apart.
+  bool trim(Index f, int k);
+
   /// Everything done since the mark is undone, in reverse.
   struct Mark {
     std::size_t entries = 0;

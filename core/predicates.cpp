@@ -52,6 +52,7 @@ int orientation_exact(Point2 a, Point2 b, Point2 c) {
 double area2_accurate(Point2 a, Point2 b, Point2 c) {
   const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
   if (std::fabs(d) > 4e-3 * (std::fabs(l) + std::fabs(r)) && std::fabs(d) > 1e-280) return d;
+  if (!std::isfinite(d)) return d;
   const int sign = orientation_exact(a, b, c);
   if (sign == 0) return 0;
   using Quad = __float128;

@@ -97,6 +97,14 @@ void Audit::check_values() {
       note(fatal_, count++, "not-finite", name_of("vertex", v), "has a coordinate that is not a finite number");
   }
   count = 0;
+  for (Index v = 0; v < n; ++v) {
+    const Point& p = tin_.vertices[v];
+    const double largest = std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    if (std::isfinite(largest) && largest > largest_coordinate)
+      note(fatal_, count++, "too-large", name_of("vertex", v),
+           "has a coordinate beyond 1e100, with which areas and volumes overflow; check its units");
+  }
+  count = 0;
   for (Index f = 0; f < static_cast<Index>(tin_.faces.size()); ++f)
     for (const Index v : tin_.faces[f])
       if (v < 0 || v >= n) {
@@ -247,8 +255,12 @@ void Audit::find_two_heights() {
     const Index m = topology_.mate[h];
     if (topology_.turn[h / 3] == Turn::wall) join(tin_.faces[h / 3][h % 3], tin_.faces[h / 3][(h + 1) % 3]);
     if (m < h) continue;
-    join(topology_.from(tin_, h), topology_.to(tin_, m));
-    join(topology_.to(tin_, h), topology_.from(tin_, m));
+    // A jump is a line, not a point: an open edge joins heights only when both its ends have two.
+    const Index from[2] = {topology_.from(tin_, h), topology_.to(tin_, m)};
+    const Index to[2] = {topology_.to(tin_, h), topology_.from(tin_, m)};
+    if (from[0] == from[1] || to[0] == to[1]) continue;
+    join(from[0], from[1]);
+    join(to[0], to[1]);
   }
   std::map<Index, Index> first;  // per place with several vertices: one of them
   std::size_t count = 0;

@@ -11,8 +11,11 @@
 // What a TIN must be before anything is computed on it, and what the certificate says of a result.
 namespace terrane {
 
-/// One thing wrong with a TIN. Codes: not-finite, index-out-of-range, overlapping-faces, two-heights, non-manifold-edge,
-/// t-junction, duplicate-vertex, duplicate-face, unused-vertex, zero-area-face, clockwise-face.
+/// Beyond this products of coordinates overflow.
+inline constexpr double largest_coordinate = 1e100;
+
+/// One thing wrong with a TIN. Codes: not-finite, too-large, index-out-of-range, overlapping-faces, two-heights,
+/// non-manifold-edge, t-junction, duplicate-vertex, duplicate-face, unused-vertex, zero-area-face, clockwise-face.
 struct Defect {
   std::string code;
   std::string element;  // "face 9", "vertices 3 and 17"
@@ -34,7 +37,7 @@ struct Mending {
 /// input): duplicate points of equal height, duplicate faces, unused vertices, zero-area faces that are not walls, mixed
 /// orientation, border vertices in the middle of another face's edge (that face is split).
 /// Throws Error{input} listing up to 20 of: NaN or infinity, index out of range, overlapping faces, two heights at one
-/// point without a wall or an open jump along an edge, edges with three faces.
+/// point without a wall or an open jump (along an edge both ends of which have two), edges with three faces.
 Tin checked(Tin tin, const std::string& name, Context& context, Mending* mending = nullptr);
 
 /// Counts on a TIN as it is, for the certificate and `info`. Never throws. Walls are counted apart and belong to no other count.

@@ -156,6 +156,22 @@ TEST(FindDefects, TwoHeightsAtAPinch) {
   EXPECT_EQ(refusal(tin), "two-heights");
 }
 
+// A square around a centre that is there twice: two heights at one point, and no line along which the surface jumps.
+TEST(FindDefects, TwoHeightsInTheMiddle) {
+  Tin tin{{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 1}, {1, 1, 2}},
+          {{0, 1, 4}, {1, 2, 4}, {2, 3, 5}, {3, 0, 5}}};
+  EXPECT_EQ(refusal(tin), "two-heights");
+  tin.vertices.push_back({2, 2, 3});  // the jump runs on to the border: open, but a line
+  tin.faces[2] = {6, 3, 5};
+  EXPECT_TRUE(find_defects(tin).empty());
+}
+
+TEST(FindDefects, CoordinatesThatOverflow) {
+  Tin tin = square();
+  tin.vertices[1].x = 1e200;
+  EXPECT_EQ(refusal(tin), "too-large");
+}
+
 TEST(Checked, MendsWhatIsHarmlessAndSaysSo) {
   Tin tin = square();
   tin.vertices.push_back({0, 0, 0});                 // 4 is 0 again
@@ -205,7 +221,7 @@ TEST(Checked, IsTheSameForAnyOrder) {
 TEST(Checked, SplitsFacesAtTJunctionsWithoutMovingTheSurface) {
   Tin tin = square(0, 0, 4);
   tin.vertices[2].z = 4;  // heights along the right edge: z = y
-  tin.vertices.insert(tin.vertices.end(), {{4, 3, 3}, {4, 1, 7}, {6, 3, 0}, {6, 4, 0}});
+  tin.vertices.insert(tin.vertices.end(), {{4, 3, 3}, {4, 1, 1}, {6, 3, 0}, {6, 4, 0}});
   tin.faces.insert(tin.faces.end(), {{4, 6, 7}, {4, 7, 2}, {5, 6, 4}});
   ASSERT_EQ(inspect(tin).t_junctions, 2u);
   const auto defects = find_defects(tin);
@@ -218,7 +234,7 @@ TEST(Checked, SplitsFacesAtTJunctionsWithoutMovingTheSurface) {
   Mending mending;
   const Tin mended = checked(tin, "in.ply", context, &mending);
   EXPECT_EQ(mending.t_junctions, 2u);
-  EXPECT_EQ(mended.vertices.size(), 9u);  // at (4, 1) the edge is at height 1 and the vertex at 7: both stay
+  EXPECT_EQ(mended.vertices.size(), 8u);
   EXPECT_EQ(mended.faces.size(), 7u);
   EXPECT_NE(std::find(mended.vertices.begin(), mended.vertices.end(), Point{4, 1, 1}), mended.vertices.end());
   const Inspection before = inspect(tin), after = inspect(mended);
@@ -231,6 +247,8 @@ TEST(Checked, SplitsFacesAtTJunctionsWithoutMovingTheSurface) {
   Context again;
   EXPECT_EQ(checked(mended, "", again), mended);
   EXPECT_TRUE(again.warnings.empty());
+  tin.vertices[5].z = 7;  // off the edge by six: a crack, which splitting the face would only make permanent
+  EXPECT_EQ(refusal(tin), "two-heights");
 }
 
 // A triangle touched on all three sides, several times each, in both orientations.
