@@ -113,10 +113,10 @@ TEST(Degenerate, HeightsThatOverflowAreRefused) {
 
 TEST(Degenerate, ALevelMayHaveAUnit) {
   const Response r = run("add", {{"a", "s.json", "", json(triangle)}, {"b", "", "", "10ft"}});
-  for (const auto& v : nlohmann::json::parse(r.body)["vertices"]) EXPECT_DOUBLE_EQ(v[2], 4.048);
+  for (const auto body = nlohmann::json::parse(r.body); const auto& v : body["vertices"]) EXPECT_DOUBLE_EQ(v[2], 4.048);
   const Response feet = run("add", {{"a", "s.json", "", json(triangle)}, {"b", "", "", "0.3048 m"}},
                             {{"assume-crs", "local:ft"}});
-  for (const auto& v : nlohmann::json::parse(feet.body)["vertices"]) EXPECT_DOUBLE_EQ(v[2], 2);
+  for (const auto body = nlohmann::json::parse(feet.body); const auto& v : body["vertices"]) EXPECT_DOUBLE_EQ(v[2], 2);
 }
 
 TEST(Degenerate, AHeightFieldWithoutAnExtentHasOneCell) {
