@@ -199,7 +199,8 @@ TEST(Execute, TilesOnBothCountsOfLongitudeLieBesideEachOther) {
   const std::string west = square(359, 40, 1, 1, 0, "EPSG:4326"), east = square(0, 40, 1, 1, 0, "EPSG:4326");
   const Response r = run({"merge", {part("tiles", west, "w.json"), part("tiles", east, "e.json")}});
   EXPECT_EQ(r.report["output"]["components"], 1);
-  for (const auto body = nlohmann::json::parse(r.body); const auto& v : body["vertices"]) EXPECT_LE(std::fabs(v[0].get<double>()), 1.0);
+  for (const auto body = nlohmann::json::parse(r.body); const auto& v : body["vertices"])
+    EXPECT_LE(std::fabs(v[0].get<double>()), 1.0);
 }
 
 TEST(Execute, FeetBecomeMetresInLocalFrames) {
