@@ -13,7 +13,6 @@ struct ConvertParameters {
 Outcome run(std::vector<Surface>& inputs, const ConvertParameters&, Context&) {
   Outcome outcome;
   outcome.result = std::move(std::get<Tin>(input(inputs, "surface").value));
-  outcome.verify = false;
   return outcome;
 }
 
@@ -23,9 +22,8 @@ Operation convert() {
   return operation<ConvertParameters>(
       {.id = "convert",
        .title = "Convert to another format",
-       .description = "The same TIN in another format, as it is: its vertices and faces in their order, not repaired.",
-       .inputs = {{"surface", 1, 1, false, "The surface: a TIN, or a raster, which is triangulated."}},
-       .intake = {.check = false, .empty_allowed = true}},
+       .description = "The same TIN in another format, checked on the way: harmless defects are mended and counted.",
+       .inputs = {{"surface", 1, 1, false, "The surface: a TIN, or a raster, which is triangulated."}}},
       run);
 }
 
