@@ -231,7 +231,8 @@ void Audit::split_touched(const BorderReport& border) {
   topology_ = plan_topology(tin_);
 }
 
-/// Two heights at a place are a jump when a wall, or an edge whose two faces disagree, leads from one to the other.
+/// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one to
+/// the other.
 void Audit::find_two_heights() {
   std::vector<bool> tall(tin_.vertices.size(), false);
   bool any = false;
