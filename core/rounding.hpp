@@ -40,8 +40,9 @@ struct PlanarMesh {
 void connect(PlanarMesh& mesh);
 
 /// Makes every face of the mesh strictly positive on its doubles. `place(v)` says where vertex v lies exactly
-/// (kind input: exactly at points[v]). Vertices may be merged, edges flipped, slivers of an open border taken away: merged_into[v] tells where v went (v
-/// itself when it stayed), relabelled lists the live faces whose corners or label changed. Linear in the faces when
+/// (kind input: exactly at points[v]). Vertices may be merged, edges flipped, slivers of an open border taken away:
+/// merged_into[v] tells where v went (v itself when it stayed), relabelled lists the live faces whose corners or label
+/// changed. Linear in the faces when
 /// nothing is wrong; about 100 us per vertex of a bad cluster otherwise.
 struct Rounded {
   RoundingReport report;
