@@ -112,20 +112,6 @@ std::vector<Tin> windows() {
   return tiles;
 }
 
-TEST(MergeLaws, OrderDoesNotMatterToTheByte) {
-  const std::vector<Tin> tiles = windows();
-  for (const Overlap policy : {Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
-    const Tin expected = merged(tiles, policy).surface.tin;
-    EXPECT_EQ(wrong_with(expected), "");
-    EXPECT_EQ(open_seams(expected), "");
-    for (const std::vector<int>& order : {std::vector{3, 2, 1, 0}, {2, 0, 3, 1}}) {
-      std::vector<Tin> permuted;
-      for (const int t : order) permuted.push_back(canonical(support::shuffled(tiles[t], 5)));
-      EXPECT_EQ(merged(permuted, policy).surface.tin, expected);
-    }
-  }
-}
-
 TEST(MergeLaws, HeightsFollowThePolicyEverywhere) {
   const std::vector<Tin> tiles = windows();
   std::vector<Sampler> samplers;

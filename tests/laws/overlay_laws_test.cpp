@@ -128,17 +128,6 @@ TEST_P(NastyPair, IsAValidMeshWithTheHeightsOfBoth) {
   }
 }
 
-TEST_P(NastyPair, DoesNotDependOnTheOrderOfFaces) {
-  const support::Pair pair = support::nasty_pair(GetParam().name, GetParam().utm, points);
-  Context context;
-  const Overlay one = overlay(canonical(pair.a), canonical(pair.b), {}, context);
-  const Overlay two = overlay(canonical(support::shuffled(pair.a, 1)), canonical(support::shuffled(pair.b, 2)), {}, context);
-  EXPECT_EQ(one.points, two.points);
-  EXPECT_EQ(one.faces, two.faces);
-  EXPECT_EQ(one.parents, two.parents);
-  for (const int input : {0, 1}) EXPECT_EQ(lifted(one, input), lifted(two, input));
-}
-
 INSTANTIATE_TEST_SUITE_P(Overlay, NastyPair, ::testing::ValuesIn(cases()), [](const auto& info) {
   std::string name = info.param.name + (info.param.utm ? "_utm" : "");
   std::replace(name.begin(), name.end(), '-', '_');
