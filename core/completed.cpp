@@ -3,22 +3,30 @@
 
 #include <bit>
 #include <cstring>
+#include <limits>
+#include <numeric>
 
 #include "core/region_fill.hpp"
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
 namespace {
 
-/// Gives each vertex the number of its place: equal x and y share one. Open addressing over the bit patterns.
+/// Gives each vertex of a face that is no wall the number of its place: equal x and y share one. Open addressing over
+/// the bit patterns.
 std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* moved, CompletedMesh& mesh) {
   const std::size_t n = tin.vertices.size();
+  std::vector<std::uint8_t> used(n, 0);
+  for (const Face& f : tin.faces)
+    if (!is_wall(tin, f)) used[f[0]] = used[f[1]] = used[f[2]] = 1;
   const std::size_t slots = std::bit_ceil(2 * n + 16);
-  std::vector<Index> table(slots, none), place_of(n);
+  std::vector<Index> table(slots, none), place_of(n, none);
   mesh.places.reserve(n + 4);
-  mesh.any_vertex.reserve(n + 4);
+  mesh.z.reserve(n + 4);
   for (std::size_t v = 0; v < n; ++v) {
+    if (!used[v]) continue;
     Point2 p = moved ? (*moved)[v] : plan(tin.vertices[v]);
     p.x += 0.0, p.y += 0.0;  // -0 and 0 are one place
     std::uint64_t hx, hy;
@@ -31,8 +39,8 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
     if (table[slot] == none) {
       table[slot] = static_cast<Index>(mesh.places.size());
       mesh.places.push_back(p);
-      mesh.any_vertex.push_back(static_cast<Index>(v));
-    } else if (tin.vertices[mesh.any_vertex[table[slot]]].z != tin.vertices[v].z) {
+      mesh.z.push_back(tin.vertices[v].z);
+    } else if (mesh.z[table[slot]] != tin.vertices[v].z) {
       mesh.jumps = true;
     }
     place_of[v] = table[slot];
@@ -42,15 +50,19 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
 
 void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
   mesh.corner.reserve(4 * tin.faces.size());
-  mesh.vertex.reserve(3 * tin.faces.size());
-  mesh.face_in_tin.reserve(tin.faces.size());
+  bool walls = false;
   for (std::size_t f = 0; f < tin.faces.size(); ++f) {
     const Face& face = tin.faces[f];
     const Index a = place_of[face[0]], b = place_of[face[1]], c = place_of[face[2]];
-    if (a == b || b == c || c == a) continue;  // a wall
+    const bool wall = a == b || b == c || c == a;
+    if (wall && !walls) {  // from here on the numbers differ
+      mesh.face_in_tin.resize(f);
+      std::iota(mesh.face_in_tin.begin(), mesh.face_in_tin.end(), 0);
+      walls = true;
+    }
+    if (wall) continue;
     mesh.corner.insert(mesh.corner.end(), {a, b, c, none});
-    mesh.vertex.insert(mesh.vertex.end(), face.begin(), face.end());
-    mesh.face_in_tin.push_back(static_cast<Index>(f));
+    if (walls) mesh.face_in_tin.push_back(static_cast<Index>(f));
   }
   mesh.real_faces = mesh.faces();
 }
@@ -59,7 +71,7 @@ void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, Complete
 void pair_real_halves(CompletedMesh& mesh) {
   const std::size_t halves = mesh.corner.size();
   mesh.twin.assign(halves, none);
-  std::vector<Index> start(mesh.places.size() + 2, 0);
+  Array<Index> start(mesh.places.size() + 2, 0);
   auto each = [&](auto&& visit) {
     for (std::size_t h = 0; h < halves; ++h) {
       if ((h & 3) == 3) continue;
@@ -72,7 +84,7 @@ void pair_real_halves(CompletedMesh& mesh) {
   struct Entry {
     Index high, half;
   };
-  std::vector<Entry> entries(start.back());
+  Array<Entry> entries(start.back());
   each([&](Index h, Index low, Index high) { entries[start[low + 1]++] = {high, h}; });
   for (std::size_t low = 0; low < mesh.places.size(); ++low)
     for (Index i = start[low]; i < start[low + 1]; ++i)
@@ -88,7 +100,7 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
   const Index n = static_cast<Index>(mesh.places.size());
   mesh.places.insert(mesh.places.end(),
                      {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}});
-  mesh.any_vertex.insert(mesh.any_vertex.end(), 4, none);
+  mesh.z.insert(mesh.z.end(), 4, std::numeric_limits<double>::quiet_NaN());
   std::vector<BorderEdge> border;  // as the exterior sees them: the outside on the left
   for (Index h = 0; h < static_cast<Index>(mesh.corner.size()); ++h)
     if ((h & 3) != 3 && mesh.twin[h] == none) border.push_back({mesh.target(h), mesh.origin(h), h});
@@ -113,22 +125,33 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
 }
 
 void number_edges(CompletedMesh& mesh) {
-  mesh.edge.assign(mesh.corner.size(), none);
+  const Index halves = static_cast<Index>(mesh.corner.size());
+  mesh.edge.resize(halves);
   mesh.out.assign(mesh.places.size(), none);
-  mesh.half.reserve(mesh.corner.size() * 3 / 8 + 8);
-  for (Index h = 0; h < static_cast<Index>(mesh.corner.size()); ++h) {
+  mesh.half.reserve(halves * std::size_t{3} / 8 + 8);
+  mesh.sides.reserve(halves * std::size_t{3} / 8 + 8);
+  const auto lower = [](Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); };
+  for (Index h = 0; h < halves; ++h) {
     if ((h & 3) == 3) continue;
-    if (mesh.out[mesh.origin(h)] == none || mesh.twin[h] == none) mesh.out[mesh.origin(h)] = h;
-    if (mesh.edge[h] != none) continue;
-    mesh.edge[h] = static_cast<Index>(mesh.half.size());
-    if (mesh.twin[h] != none) mesh.edge[mesh.twin[h]] = mesh.edge[h];
-    mesh.half.push_back(h);
+    const Index t = mesh.twin[h], from = mesh.origin(h);
+    if (mesh.out[from] == none || t == none) mesh.out[from] = h;
+    if (t != none && t < h) continue;  // numbered with its twin
+    // Which half-edge defines the edge is read off its coordinates, so that what is computed along it does not depend
+    // on the order of the faces.
+    const bool forward = t == none || lower(mesh.at(from), mesh.at(mesh.target(h)));
+    const Index e = mesh.edges();
+    mesh.edge[h] = 2 * e + !forward;
+    if (t != none) mesh.edge[t] = 2 * e + forward;
+    mesh.half.push_back(forward ? h : t);
+    mesh.sides.push_back(t == none ? 1 : mesh.real(h >> 2) + mesh.real(t >> 2));
   }
 }
 
 }  // namespace
 
 CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>* moved) {
+  if (tin.faces.size() > 250'000'000)
+    throw Error(ErrorKind::limit, "too-many-faces", "a surface of more than 250 million faces; cut it into tiles");
   CompletedMesh mesh;
   const std::vector<Index> place_of = number_places(tin, moved, mesh);
   add_real_faces(tin, place_of, mesh);
@@ -142,6 +165,8 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
   Index f = hint, from = none;
   std::uint32_t dice = 0x2545F491u;  // a fixed stochastic walk: ends on every triangulation, Delaunay or not
   for (;;) {
+    for (int k = 0; k < 3; ++k)  // equal places, which identical tiles are full of, need no predicate
+      if (mesh.at(mesh.corner[4 * f + k]) == q) return {Location::place, mesh.corner[4 * f + k]};
     dice = dice * 1664525u + 1013904223u;
     const int first = static_cast<int>(dice >> 30) % 3;
     Index exit = none, zeros[2];
@@ -159,10 +184,23 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
       continue;
     }
     if (zero_count == 0) return {Location::face, f};
-    if (zero_count == 1) return {Location::edge, zeros[0]};
+    if (zero_count == 1) return {Location::edge, mesh.half[mesh.edge_of(zeros[0])]};
     const Index shared = mesh.target(zeros[0]) == mesh.origin(zeros[1]) ? mesh.target(zeros[0]) : mesh.origin(zeros[0]);
     return {Location::place, shared};
   }
+}
+
+Array<Location> locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Context& context) {
+  const Index n = static_cast<Index>(mesh.places.size());
+  Array<Location> location(n);
+  parallel_for(context, n, chunk_for(context, n), [&](std::size_t begin, std::size_t end) {
+    Index hint = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      location[i] = locate(other, mesh.at(static_cast<Index>(i)), hint);
+      hint = face_at(other, location[i]);
+    }
+  });
+  return location;
 }
 
 Index face_at(const CompletedMesh& mesh, Location location) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "core/array.hpp"
+#include "core/context.hpp"
 #include "core/tin.hpp"
 
 // A TIN in plan, completed with ghost faces out to a fixed box: holes, bays and the exterior become faces like any
@@ -18,42 +19,54 @@ inline Index next_half(Index h) { return (h & 3) == 2 ? h - 2 : h + 1; }
 inline Index prev_half(Index h) { return (h & 3) == 0 ? h + 2 : h - 1; }
 
 struct CompletedMesh {
-  std::vector<Point2> places;      // those of the TIN, then the four corners of the box
-  std::vector<Index> corner;       // place at the origin of a half-edge
-  std::vector<Index> twin;         // the half-edge on the other side; none on the box
-  std::vector<Index> edge;         // number of the undirected edge of a half-edge
-  std::vector<Index> half;         // its defining half-edge: the first of the two
-  std::vector<Index> out;          // one half-edge that leaves a place
-  std::vector<Index> face_in_tin;  // face of the TIN behind a real face (walls have none here)
-  std::vector<Index> vertex;       // TIN vertex at the corner of a real face: vertex[3 * face + k]
-  std::vector<Index> any_vertex;   // one TIN vertex at a place; none at the box corners
-  Index real_faces = 0;            // faces below this are the TIN's, the others ghosts
-  bool jumps = false;              // some place has several heights
+  Array<Point2> places;  // those of the TIN's faces, then the four corners of the box
+  Array<double> z;       // a height of the TIN at each place; NaN at the corners of the box
+  Array<Index> corner;   // place at the origin of a half-edge
+  Array<Index> twin;     // the half-edge on the other side; none on the box
+  Array<Index> edge;     // of a half-edge: 2 * the number of its edge, + 1 when it runs against the defining one
+  Array<Index> half;     // of an edge: its defining half-edge, from the end lower in x, then y (on the box: the one)
+  Array<std::uint8_t> sides;  // of an edge: how many real faces lie beside it; on the box 1, the exterior
+  Array<Index> out;           // one half-edge that leaves a place
+  Array<Index> face_in_tin;   // face of the TIN behind a real face; empty when all have the TIN's numbers
+  Index real_faces = 0;       // faces below this are the TIN's, the others ghosts
+  bool jumps = false;         // some place has several heights
 
   Index faces() const { return static_cast<Index>(corner.size() / 4); }
+  Index edges() const { return static_cast<Index>(half.size()); }
   Index real_places() const { return static_cast<Index>(places.size()) - 4; }
   bool real(Index face) const { return face < real_faces; }
   Index origin(Index h) const { return corner[h]; }
   Index target(Index h) const { return corner[next_half(h)]; }
   Index apex(Index h) const { return corner[prev_half(h)]; }
   Point2 at(Index place) const { return places[place]; }
+  Index edge_of(Index h) const { return edge[h] >> 1; }
+  bool against(Index h) const { return edge[h] & 1; }
+  /// The face on the left of an edge's defining half-edge (direction 0) or of its twin (1); none outside the box.
+  Index left_face(Index e, Index direction) const {
+    const Index h = direction == 0 ? half[e] : twin[half[e]];
+    return h == none ? none : h >> 2;
+  }
   /// The next half-edge counter-clockwise around its origin; none when the box is in the way.
   Index rotate(Index h) const { return twin[prev_half(h)]; }
+  Index tin_face(Index face) const { return face_in_tin.empty() ? face : face_in_tin[face]; }
 };
 
 /// Completes a valid TIN inside `box`, which must hold it with room to spare. `moved[v]`, when given, overrides the
-/// plan position of vertex v. Throws Error{input, "overlapping-faces"} when the border crosses itself. O(n + b log b),
-/// b border edges.
+/// plan position of vertex v. Throws Error{input, "overlapping-faces"} when the border crosses itself, and
+/// Error{limit, "too-many-faces"} above 250 million. O(n + b log b), b border edges.
 CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>* moved = nullptr);
 
 /// Where a point lies, exactly.
 struct Location {
   enum Kind : std::uint8_t { face, edge, place } kind = face;
-  Index index = none;  // face number; a half-edge; a place
+  Index index = none;  // face number; the defining half-edge; a place
 };
 
 /// Finds `q`, walking from `hint` (a face). Expected O(1) when the hint is near. `q` must lie in the box.
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint);
+
+/// Where every place of `mesh` lies in `other`.
+Array<Location> locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Context& context);
 
 /// A face that touches a location, to start the next walk from.
 Index face_at(const CompletedMesh& mesh, Location location);

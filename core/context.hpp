@@ -30,6 +30,8 @@ class Context {
 
   /// Reports progress and throws Error{cancelled} when the work is no longer wanted. Cheap enough for every 10,000 faces.
   void progress(std::string_view stage, double fraction);
+  /// The same check without the report; any thread of the work may ask.
+  void stop_if_cancelled() const;
   void warn(Warning warning) { warnings.push_back(std::move(warning)); }
 };
 

@@ -79,7 +79,7 @@ class Closer {
 
 }  // namespace
 
-CornersByPlace corners_by_place(const std::vector<Face>& faces, std::size_t points) {
+CornersByPlace corners_by_place(const Array<Face>& faces, std::size_t points) {
   CornersByPlace places;
   places.first.assign(points + 1, 0);
   places.corners.resize(3 * faces.size());

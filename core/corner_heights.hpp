@@ -16,7 +16,7 @@ inline double rounding_jump(double z) { return 1e-9 * (z > 1 ? z : z < -1 ? -z :
 struct CornersByPlace {
   std::vector<std::size_t> first, corners;
 };
-CornersByPlace corners_by_place(const std::vector<Face>& faces, std::size_t points);
+CornersByPlace corners_by_place(const Array<Face>& faces, std::size_t points);
 
 /// Makes one double of the heights at a place that lie within rounding of each other, preferring firm ones, then the
 /// first face's; afterwards of those within `z_tolerance` of the height of the face that comes first. Places for which

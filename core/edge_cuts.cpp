@@ -33,7 +33,7 @@ struct Node {
   unsigned lines;
 };
 
-double quality(const std::vector<Point2>& points, Index a, Index b, Index c) {
+double quality(const Array<Point2>& points, Index a, Index b, Index c) {
   const Point2 p = points[a], q = points[b], r = points[c];
   const auto square = [](Point2 u, Point2 v) { return (u.x - v.x) * (u.x - v.x) + (u.y - v.y) * (u.y - v.y); };
   const double longest = std::max({square(p, q), square(q, r), square(r, p)});
@@ -259,7 +259,7 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
   return cut;
 }
 
-double value_on(const CutMesh& cut, const std::vector<Point2>& points, const Face& face, const double* values,
+double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values,
                 Index v) {
   for (int k = 0; k < 3; ++k)
     if (face[k] == v) return values[k];

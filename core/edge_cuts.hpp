@@ -42,6 +42,6 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
 
 /// The value at vertex v of the cut mesh of a function given by its values at the corners of `face`, a face of before:
 /// interpolated along the edge for a vertex made on it, inside the face for a vertex that rounding brought there.
-double value_on(const CutMesh& cut, const std::vector<Point2>& points, const Face& face, const double* values, Index v);
+double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values, Index v);
 
 }  // namespace terrane

@@ -5,87 +5,78 @@
 #include <cmath>
 #include <limits>
 
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
 
-double fraction(Point2 a, Point2 b, Point2 p) {  // of p's projection along a -> b, by the longer coordinate
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  const double t = std::fabs(dx) >= std::fabs(dy) ? (p.x - a.x) / dx : (p.y - a.y) / dy;
-  return std::clamp(t, 0.0, 1.0);
-}
-
-}  // namespace
-
-Index SurfaceHeights::real_half(Index e) const {
-  const Index h = mesh_.half[e], t = mesh_.twin[h];
-  if (mesh_.real(h >> 2)) return h;
-  return t != none && mesh_.real(t >> 2) ? t : none;
-}
-
-double SurfaceHeights::on_edge(Index h, Point2 p) const {
-  const int k = h & 3, k1 = k == 2 ? 0 : k + 1;
-  const Index f = h >> 2;
-  return mix(z(f, k), z(f, k1), fraction(mesh_.at(mesh_.origin(h)), mesh_.at(mesh_.target(h)), p));
-}
-
-double SurfaceHeights::on_plane(Index face, Point2 p) const {
-  const Index* corner = &mesh_.corner[4 * face];
-  return height_on_triangle({mesh_.at(corner[0]), mesh_.at(corner[1]), mesh_.at(corner[2])},
-                            {z(face, 0), z(face, 1), z(face, 2)}, p);
-}
-
-double SurfaceHeights::at_vertex(Index vertex) const {
+/// The height of a continuous surface at a place that lies there.
+double height_at(const CompletedMesh& mesh, const Location& where, Point2 p) {
   constexpr double outside = std::numeric_limits<double>::quiet_NaN();
-  if (vertex >= arrangement_.first_crossing()) {
-    const Index h = real_half(arrangement_.crossing(vertex).edge[m_]);
-    return h == none ? outside : on_edge(h, points_[vertex]);
-  }
-  const auto own = [&](Index place) {
-    return mesh_.any_vertex[place] == none ? outside : tin_.vertices[mesh_.any_vertex[place]].z;
-  };
-  if (arrangement_.is_place_of(m_, vertex)) return own(arrangement_.place(m_, vertex));
-  const Location& where = arrangement_.location(1 - m_, arrangement_.place(1 - m_, vertex));
   switch (where.kind) {
     case Location::place:
-      return own(where.index);
+      return mesh.z[where.index];
     case Location::edge: {
-      const Index h = real_half(mesh_.edge[where.index]);
-      return h == none ? outside : on_edge(h, points_[vertex]);
+      const Index h = where.index, e = mesh.edge_of(h);
+      const Index from = mesh.origin(h), to = mesh.target(h);
+      return mesh.sides[e] == 0 ? outside
+                                : mix(mesh.z[from], mesh.z[to], fraction_along(mesh.at(from), mesh.at(to), p));
     }
     case Location::face:
       break;
   }
-  return mesh_.real(where.index) ? on_plane(where.index, points_[vertex]) : outside;
+  if (!mesh.real(where.index)) return outside;
+  const Index* c = &mesh.corner[4 * where.index];
+  return height_on_triangle({mesh.at(c[0]), mesh.at(c[1]), mesh.at(c[2])}, {mesh.z[c[0]], mesh.z[c[1]], mesh.z[c[2]]},
+                            p);
 }
 
-double SurfaceHeights::in_face(Index face, Index vertex) const {
-  const auto edge_of_face = [&](Index e) {
-    for (int k = 0; k < 3; ++k)
-      if (mesh_.edge[4 * face + k] == e) return 4 * face + k;
-    return none;
-  };
+}  // namespace
+
+void place_vertices(Arrangement& arrangement, Context& context) {
+  const std::size_t n = arrangement.first_crossing;
+  parallel_for(context, n, chunk_for(context, n), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const int m = static_cast<Index>(v) >= arrangement.first_b;
+      const Index place = arrangement.place_of_vertex[v];
+      const Point2 p = arrangement.mesh[m]->at(place);
+      arrangement.points[v] = p;
+      arrangement.heights[m][v] = arrangement.mesh[m]->z[place];
+      arrangement.heights[1 - m][v] = height_at(*arrangement.mesh[1 - m], arrangement.location[m][place], p);
+    }
+  });
+}
+
+double FaceHeights::at(Index face, Index vertex, Point2 p) const {
   Index place = none, edge = none;
-  if (vertex >= arrangement_.first_crossing()) {
-    edge = arrangement_.crossing(vertex).edge[m_];
-  } else if (arrangement_.is_place_of(m_, vertex)) {
-    place = arrangement_.place(m_, vertex);
+  if (vertex >= arrangement_.first_crossing) {
+    edge = arrangement_.edges_of_crossing[vertex - arrangement_.first_crossing][m_];
   } else {
-    const Location& where = arrangement_.location(1 - m_, arrangement_.place(1 - m_, vertex));
-    if (where.kind == Location::place) place = where.index;
-    if (where.kind == Location::edge) edge = mesh_.edge[where.index];
+    const int own = vertex >= arrangement_.first_b;
+    place = arrangement_.place_of_vertex[vertex];
+    if (own != m_) {
+      const Location& where = arrangement_.location[own][place];
+      place = where.kind == Location::place ? where.index : none;
+      if (where.kind == Location::edge) edge = mesh_.edge_of(where.index);
+    }
   }
-  if (place != none)
-    for (int k = 0; k < 3; ++k)
-      if (mesh_.corner[4 * face + k] == place) return z(face, k);
-  if (edge != none)
-    if (const Index h = edge_of_face(edge); h != none) return on_edge(h, points_[vertex]);
-  return on_plane(face, points_[vertex]);
+  for (int k = 0; k < 3; ++k) {
+    const Index h = 4 * face + k;
+    if (place != none && mesh_.corner[h] == place) return z(face, k);
+    if (edge == none || mesh_.edge_of(h) != edge) continue;
+    // Along the defining half-edge, so that the faces on both sides agree to the last bit.
+    int from = k, to = (k + 1) % 3;
+    if (mesh_.against(h)) std::swap(from, to);
+    return mix(z(face, from), z(face, to),
+               fraction_along(mesh_.at(mesh_.corner[4 * face + from]), mesh_.at(mesh_.corner[4 * face + to]), p));
+  }
+  const Index* c = &mesh_.corner[4 * face];
+  return height_on_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])}, {z(face, 0), z(face, 1), z(face, 2)}, p);
 }
 
-double SurfaceHeights::distance(Index face, Point2 p) const {
+double FaceHeights::distance(Index face, Point2 p) const {
   double best = std::numeric_limits<double>::infinity();
   bool inside = true;
   for (int k = 0; k < 3; ++k) {

@@ -1,39 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "core/arrangement.hpp"
 
 namespace terrane {
 
-/// Heights of one input at the vertices of an arrangement: always convex combinations of its own heights, never
-/// extrapolated, so that a vertex a rounding error outside its face cannot run away on a steep sliver's plane.
-class SurfaceHeights {
- public:
-  SurfaceHeights(const Tin& tin, const Arrangement& arrangement, int m, const std::vector<Point2>& points)
-      : tin_(tin), arrangement_(arrangement), mesh_(arrangement.mesh(m)), m_(m), points_(points) {}
+/// Fills points and heights of the vertices that are places. Heights are convex combinations of a surface's own, never
+/// extrapolated, so that a vertex a rounding error outside its face cannot run away on a steep sliver's plane; NaN
+/// outside its domain; meaningless where the surface jumps.
+void place_vertices(Arrangement& arrangement, Context& context);
 
-  /// `points`: the vertices' doubles; must outlive this.
-  /// Of a continuous surface; NaN outside its domain.
-  double at_vertex(Index vertex) const;
-  /// As the given real face of the completed mesh has it.
-  double in_face(Index face, Index vertex) const;
+/// Heights of one input on a given face, for surfaces that jump and vertices that rounding moved out of their face.
+class FaceHeights {
+ public:
+  FaceHeights(const Tin& tin, const Arrangement& arrangement, int m)
+      : tin_(tin), arrangement_(arrangement), mesh_(*arrangement.mesh[m]), m_(m) {}
+
+  /// At a vertex that lies at `p`, as the given real face of the completed mesh has it.
+  double at(Index face, Index vertex, Point2 p) const;
   /// Distance in plan from a point to a real face.
   double distance(Index face, Point2 p) const;
 
  private:
-  double z(Index face, int corner) const { return tin_.vertices[mesh_.vertex[3 * face + corner]].z; }
-  double on_edge(Index h, Point2 p) const;  // h of a real face
-  double on_plane(Index face, Point2 p) const;
-  /// A real half-edge of the edge, or none.
-  Index real_half(Index e) const;
+  double z(Index face, int corner) const { return tin_.vertices[tin_.faces[mesh_.tin_face(face)][corner]].z; }
 
   const Tin& tin_;
   const Arrangement& arrangement_;
   const CompletedMesh& mesh_;
   int m_;
-  const std::vector<Point2>& points_;
 };
 
 }  // namespace terrane

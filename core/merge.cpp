@@ -113,7 +113,7 @@ class Step {
   Overlap policy_;
   ContributorSets& sets_;
   Overlay overlay_;
-  const std::vector<Point2>* points_ = nullptr;
+  const Array<Point2>* points_ = nullptr;
 };
 
 Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, Overlap policy,

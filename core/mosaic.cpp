@@ -23,7 +23,7 @@ struct PlaceHash {
 /// Gives every place one index.
 class Places {
  public:
-  explicit Places(std::vector<Point2>& points, std::size_t expected) : points_(points) { index_.reserve(expected); }
+  explicit Places(Array<Point2>& points, std::size_t expected) : points_(points) { index_.reserve(expected); }
   Index at(Point2 p) {
     const auto [it, fresh] = index_.try_emplace(p, static_cast<Index>(points_.size()));
     if (fresh) points_.push_back(p);
@@ -31,7 +31,7 @@ class Places {
   }
 
  private:
-  std::vector<Point2>& points_;
+  Array<Point2>& points_;
   std::unordered_map<Point2, Index, PlaceHash> index_;
 };
 

@@ -7,7 +7,7 @@
 #include "core/arrangement.hpp"
 #include "core/heights.hpp"
 #include "core/overlay_faces.hpp"
-#include "core/predicates.hpp"
+#include "core/parallel.hpp"
 #include "core/rounding.hpp"
 #include "core/snapping.hpp"
 
@@ -23,40 +23,80 @@ Box frame_around(const Tin& a, const Tin& b) {
   return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
 }
 
-bool all_positive(const OverlayFaces& work) {
-  return std::all_of(work.faces.begin(), work.faces.end(), [&](const Face& f) {
-    return orientation(work.points[f[0]], work.points[f[1]], work.points[f[2]]) > 0;
-  });
+/// Completes A and B and snaps B's vertices to A's, the two completions side by side.
+struct Prepared {
+  CompletedMesh a;
+  Snapped b;
+};
+Prepared prepare(const Tin& a, const Tin& b, double snap, Context& context) {
+  const Box frame = frame_around(a, b);
+  CompletedMesh completed[2];
+  parallel_tasks(context, 2, [&](std::size_t m) { completed[m] = complete(m == 0 ? a : b, frame); });
+  Snapped snapped = snap_places(b, frame, std::move(completed[1]), completed[0], snap, context);
+  return {std::move(completed[0]), std::move(snapped)};
 }
 
-/// Makes every face positive on its doubles.
-void round_faces(const Arrangement& arrangement, OverlayFaces& work, const SurfaceHeights (&heights)[2],
-                 RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
-  PlanarMesh mesh{std::move(work.points), std::move(work.faces), {}, std::move(work.region_of_face)};
+/// Makes every face positive on its doubles. Faces keep their parents' order no longer; `relabelled` lists those whose
+/// corners or parents changed.
+void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& points, const FaceHeights (&heights)[2],
+          RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
+  Array<std::array<Index, 2>> regions;  // faces of a region are consecutive
+  PlanarMesh mesh{std::move(points), std::move(work.faces), {}, {}};
+  mesh.labels.resize(mesh.faces.size());
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (f == 0 || work.parents[f] != work.parents[f - 1]) regions.push_back(work.parents[f]);
+    mesh.labels[f] = static_cast<Index>(regions.size()) - 1;
+  }
   connect(mesh);
-  const auto place = [&](Index v) {
-    return v < arrangement.first_crossing() ? ExactPlace{} : crossing_place(arrangement, v);
-  };
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
     for (int m = 0; m < 2; ++m)
-      if (const Index f = work.regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
+      if (const Index f = regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
     return d;
   };
-  const Rounded rounded = round_and_verify(mesh, place, context, distance);
+  const Rounded rounded = round_and_verify(
+      mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance);
   report.max_spill = rounded.report.max_spill;
   report.merges = rounded.report.merges;
   report.flips = rounded.report.flips;
   report.kinetic = rounded.report.kinetic;
-  work.points = std::move(mesh.points);
+
+  points = std::move(mesh.points);
+  work.faces.clear();
+  work.parents.clear();
   std::vector<Index> renumbered(mesh.faces.size(), none);
+  std::vector<bool> live(regions.size(), false);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (mesh.faces[f][0] == none) continue;
+    const Face& face = mesh.faces[f];
+    if (face[0] == none) continue;
+    const std::array<Index, 2>& parents = regions[mesh.labels[f]];
+    live[mesh.labels[f]] = true;
+    if (parents[0] == none && parents[1] == none) continue;  // the exterior
     renumbered[f] = static_cast<Index>(work.faces.size());
-    work.faces.push_back(mesh.faces[f]);
-    work.region_of_face.push_back(mesh.labels[f]);
+    work.faces.push_back(face);
+    work.parents.push_back(parents);
   }
-  for (Index f : rounded.relabelled) relabelled.push_back(renumbered[f]);
+  work.exterior = work.faces.size();
+  for (Index f : rounded.relabelled)
+    if (renumbered[f] != none) relabelled.push_back(renumbered[f]);
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    report.collapsed += !live[r] && (regions[r][0] != none || regions[r][1] != none);
+}
+
+/// The vertices that faces use, in order; all of them, unless rounding merged or trimmed some.
+std::vector<Index> used_vertices(const OverlayFaces& work, std::size_t vertices) {
+  std::vector<std::uint8_t> used(vertices, 0);
+  for (const Face& f : work.faces) used[f[0]] = used[f[1]] = used[f[2]] = 1;
+  std::vector<Index> kept;
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (used[v]) kept.push_back(static_cast<Index>(v));
+  return kept;
+}
+
+template <class T>
+void keep(Array<T>& values, const std::vector<Index>& kept) {
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
 }
 
 }  // namespace
@@ -64,78 +104,68 @@ void round_faces(const Arrangement& arrangement, OverlayFaces& work, const Surfa
 Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context) {
   context.progress("overlay", 0);
   Overlay result;
-  const Box frame = frame_around(a, b);
-  const CompletedMesh mesh_a = complete(a, frame);
-  Snapped snapped = complete_and_snap(b, frame, mesh_a, options.snap);
-  const CompletedMesh& mesh_b = snapped.mesh;
-  result.rounding.snapped = snapped.count;
-  result.rounding.max_snap = snapped.max_move;
-  Arrangement arrangement(mesh_a, mesh_b, std::move(snapped.location), context);
-  OverlayFaces work = faces_of(arrangement, options.refinement, false, context);
-  const SurfaceHeights heights[2] = {{a, arrangement, 0, work.points}, {b, arrangement, 1, work.points}};
-  result.rounding.regions = work.region_count;
+  Prepared prepared = prepare(a, b, options.snap, context);
+  result.rounding.snapped = prepared.b.count;
+  result.rounding.max_snap = prepared.b.max_move;
+  Arrangement arrangement =
+      arrange(prepared.a, prepared.b.mesh, std::move(prepared.b.location), options.refinement, context);
+  OverlayFaces work = faces_of(arrangement, options.refinement, context);
+  result.rounding.regions = work.regions;
+  result.rounding.max_move = arrangement.max_move;
 
-  std::vector<Index> relabelled;
-  if (!all_positive(work)) {
-    work = faces_of(arrangement, options.refinement, true, context);
-    round_faces(arrangement, work, heights, result.rounding, context, relabelled);
+  const FaceHeights heights[2] = {{a, arrangement, 0}, {b, arrangement, 1}};
+  Array<Point2> points = std::move(arrangement.points);
+  std::vector<Index> relabelled, vertex;
+  const bool mended = !work.all_positive;
+  if (mended) {
+    mend(arrangement, work, points, heights, result.rounding, context, relabelled);
+    vertex = used_vertices(work, points.size());
+  } else {
+    work.faces.resize(work.exterior);
+    work.parents.resize(work.exterior);
+    points.resize(arrangement.first_corner);
   }
   context.progress("overlay", 0.9);
 
-  // Only what has a surface is returned, its vertices renumbered in the order of the arrangement.
-  std::vector<bool> live(work.regions.size(), false), changed(work.faces.size(), false);
-  for (Index f : relabelled) changed[f] = true;
-  std::vector<Index> number(work.points.size(), none), vertex;
-  std::vector<Index> kept;
-  for (std::size_t f = 0; f < work.faces.size(); ++f) {
-    const std::array<Index, 2>& parent = work.regions[work.region_of_face[f]];
-    live[work.region_of_face[f]] = true;
-    if (parent[0] == none && parent[1] == none) continue;
-    kept.push_back(static_cast<Index>(f));
-    for (Index v : work.faces[f]) number[v] = 0;
-  }
-  for (std::size_t v = 0; v < number.size(); ++v)
-    if (number[v] == 0) {
-      number[v] = static_cast<Index>(vertex.size());
-      vertex.push_back(static_cast<Index>(v));
-      result.points.push_back(work.points[v]);
-      if (static_cast<Index>(v) >= arrangement.first_crossing())
-        result.rounding.max_move =
-            std::max(result.rounding.max_move, rounding_bound(crossing_place(arrangement, static_cast<Index>(v))));
+  for (int m = 0; m < 2; ++m) {
+    result.per_corner[m] = arrangement.mesh[m]->jumps;
+    Array<double>& z = result.heights[m];
+    const auto in_face = [&](std::size_t f, int k) {
+      const Index v = work.faces[f][k];
+      return heights[m].at(work.parents[f][m], v, points[v]);
+    };
+    if (result.per_corner[m]) {
+      z.assign(3 * work.faces.size(), 0);
+      parallel_for(context, work.faces.size(), chunk_for(context, work.faces.size()),
+                   [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t f = begin; f < end; ++f)
+                       for (int k = 0; k < 3 && work.parents[f][m] != none; ++k) z[3 * f + k] = in_face(f, k);
+                   });
+    } else {
+      z = std::move(arrangement.heights[m]);
+      z.resize(points.size());
+      for (Index f : relabelled)  // a flip may have brought a vertex of the outside into the domain
+        for (int k = 0; k < 3 && work.parents[f][m] != none; ++k)
+          if (double& height = z[work.faces[f][k]]; std::isnan(height)) height = in_face(f, k);
     }
-  for (std::size_t r = 0; r < work.regions.size(); ++r)
-    result.rounding.collapsed += !live[r] && (work.regions[r][0] != none || work.regions[r][1] != none);
-  result.faces.reserve(kept.size());
-  result.parents.reserve(kept.size());
-  for (Index f : kept) {
-    const Face& c = work.faces[f];
-    result.faces.push_back({number[c[0]], number[c[1]], number[c[2]]});
-    const std::array<Index, 2>& parent = work.regions[work.region_of_face[f]];
-    result.parents.push_back({parent[0] == none ? none : mesh_a.face_in_tin[parent[0]],
-                              parent[1] == none ? none : mesh_b.face_in_tin[parent[1]]});
+  }
+  if (mended) {
+    std::vector<Index> number(points.size(), none);
+    for (std::size_t i = 0; i < vertex.size(); ++i) number[vertex[i]] = static_cast<Index>(i);
+    for (Face& f : work.faces) f = {number[f[0]], number[f[1]], number[f[2]]};
+    keep(points, vertex);
+    for (int m = 0; m < 2; ++m)
+      if (!result.per_corner[m]) keep(result.heights[m], vertex);
   }
   for (int m = 0; m < 2; ++m) {
-    result.per_corner[m] = arrangement.mesh(m).jumps;
-    std::vector<double>& z = result.heights[m];
-    if (!result.per_corner[m]) {
-      z.resize(vertex.size());
-      for (std::size_t i = 0; i < vertex.size(); ++i) z[i] = heights[m].at_vertex(vertex[i]);
-    } else {
-      z.assign(3 * kept.size(), 0);
-    }
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-      const Index f = work.regions[work.region_of_face[kept[i]]][m];
-      if (f == none || (!result.per_corner[m] && !changed[kept[i]])) continue;
-      for (int k = 0; k < 3; ++k) {
-        const Index v = work.faces[kept[i]][k];
-        if (result.per_corner[m]) {
-          z[3 * i + k] = heights[m].in_face(f, v);
-        } else if (std::isnan(z[number[v]])) {
-          z[number[v]] = heights[m].in_face(f, v);  // a flip brought a vertex of the outside into the domain
-        }
-      }
-    }
+    const CompletedMesh& mesh = *arrangement.mesh[m];
+    if (mesh.face_in_tin.empty()) continue;
+    for (std::array<Index, 2>& parents : work.parents)
+      if (parents[m] != none) parents[m] = mesh.tin_face(parents[m]);
   }
+  result.points = std::move(points);
+  result.faces = std::move(work.faces);
+  result.parents = std::move(work.parents);
   context.progress("overlay", 1);
   return result;
 }

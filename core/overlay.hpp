@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
+#include "core/array.hpp"
 #include "core/context.hpp"
 #include "core/tin.hpp"
 
@@ -37,12 +37,12 @@ struct RoundingReport {
 };
 
 struct Overlay {
-  std::vector<Point2> points;  // each place once
-  std::vector<Face> faces;     // counter-clockwise, all strictly positive; they cover the union of the domains
-  std::vector<std::array<Index, 2>> parents;  // the face of A and of B that a face lies on; `none` outside that domain
+  Array<Point2> points;                 // each place once
+  Array<Face> faces;                    // counter-clockwise, all strictly positive; they cover the union of the domains
+  Array<std::array<Index, 2>> parents;  // the face of A and of B that a face lies on; `none` outside that domain
   /// Heights of A and B: one per point where the input is continuous, else one per corner (3 * face + corner).
   /// Meaningless where the face has no such parent.
-  std::array<std::vector<double>, 2> heights;
+  std::array<Array<double>, 2> heights;
   std::array<bool, 2> per_corner = {false, false};
   RoundingReport rounding;
 

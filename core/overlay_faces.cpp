@@ -2,10 +2,13 @@
 #include "core/overlay_faces.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <span>
 
-#include "core/region_fill.hpp"
 #include "core/convex.hpp"
 #include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/region_fill.hpp"
 
 namespace terrane {
 namespace {
@@ -16,191 +19,305 @@ struct GroupedPiece {
   Piece piece;
 };
 
-class FaceBuilder {
+/// What one range of faces gave.
+struct Sink {
+  Array<Face> faces;
+  Array<std::array<Index, 2>> parents;
+  std::vector<GroupedPiece> grouped;
+  Index regions = 0;
+  bool all_positive = true;
+};
+
+/// Groups: a face of A without B is its number, a face of B without A comes after those, then the exterior.
+struct Groups {
+  Index faces_of_a, exterior;
+  explicit Groups(const Arrangement& arrangement)
+      : faces_of_a(arrangement.mesh[0]->faces()), exterior(faces_of_a + arrangement.mesh[1]->faces()) {}
+  Index of(Index a, Index b) const { return a != none ? a : b != none ? faces_of_a + b : exterior; }
+  std::array<Index, 2> parents(Index group) const {
+    if (group < faces_of_a) return {group, none};
+    return {none, group < exterior ? group - faces_of_a : none};
+  }
+};
+
+/// Traces the regions of a range of faces and triangulates those that are convex.
+class RegionTracer {
  public:
-  FaceBuilder(const Arrangement& arrangement, Refinement refinement, bool exactly)
+  RegionTracer(const Arrangement& arrangement, Refinement refinement, std::span<std::uint8_t> visited, Sink& sink)
       : arrangement_(arrangement),
+        a_(*arrangement.mesh[0]),
+        b_(*arrangement.mesh[1]),
+        groups_(arrangement),
         paste_(refinement == Refinement::paste),
-        exactly_(exactly),
-        faces_of_a_(arrangement.mesh(0).faces()),
-        exterior_(faces_of_a_ + arrangement.mesh(1).faces()) {
-    for (int m = 0; m < 2; ++m) rate_edges(m);
-    place_points();
+        visited_(visited),
+        sink_(sink) {}
+
+  /// All regions in a face of A that touch its border.
+  void face_of_a(Index f) {
+    if (paste_ && a_.real(f)) return whole(0, f);
+    const Lines& lines = arrangement_.lines[0];
+    Index under = none;
+    bool plain = true;
+    for (int k = 0; k < 3 && plain; ++k) {
+      const Index h = 4 * f + k, at = lines.first[a_.edge_of(h)];
+      const Index face = arrangement_.face_of_b(at, a_.against(h));
+      plain = lines.pieces(a_.edge_of(h)) == 1 && (k == 0 || face == under);
+      under = face;
+    }
+    if (plain && a_.real(f)) return emit_triangle(f, b_.real(under) ? under : none, corners_of(a_, 0, f));
+    if (plain) {
+      for (int k = 0; k < 3; ++k) group(f, under, arrangement_.leaving(0, 4 * f + k));
+      return;
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Index h = 4 * f + k, e = a_.edge_of(h), direction = a_.against(h);
+      const Index first = lines.first[e], count = lines.pieces(e);
+      for (Index i = 0; i < count; ++i) {
+        const Piece start{0, direction == 0 ? first + i : first + count - 1 - i, direction};
+        if (!visited_[2 * static_cast<std::size_t>(start.at) + start.direction]) trace(f, start);
+      }
+    }
   }
 
-  OverlayFaces build() {
-    arrangement_.trace([&](Region& region) { take(region); });
-    if (paste_)
-      for (Index f = 0; f < arrangement_.mesh(0).real_faces; ++f) emit_whole(f);
-    emit_groups();
-    return std::move(out_);
+  /// A face of B that no piece of A touches or enters lies in one face of A.
+  void face_of_b(Index g) {
+    for (int k = 0; k < 3; ++k) {
+      const Index e = b_.edge_of(4 * g + k);
+      if (arrangement_.lines[1].pieces(e) != 1 || arrangement_.covered[e]) return;
+    }
+    Index f = none;
+    for (int k = 0; k < 3; ++k) {
+      f = arrangement_.face_of_a_after(4 * g + k);
+      if (f == none) return;
+    }
+    if (paste_ && a_.real(f)) return;
+    const Index in_a = a_.real(f) ? f : none, in_b = b_.real(g) ? g : none;
+    if (in_b != none) return emit_triangle(in_a, in_b, corners_of(b_, 1, g));
+    for (int k = 0; k < 3; ++k) group(f, g, arrangement_.leaving(1, 4 * g + k));
+  }
+
+  /// A whole face of m, with the vertices of the other mesh that stay on its edges.
+  void whole(int m, Index f) {
+    const CompletedMesh& mesh = *arrangement_.mesh[m];
+    const Lines& lines = arrangement_.lines[m];
+    corners_.clear();
+    straight_.clear();
+    for (int k = 0; k < 3; ++k) {
+      const Index h = 4 * f + k, e = mesh.edge_of(h), inside = lines.pieces(e) - 1;
+      corners_.push_back(arrangement_.number[m][mesh.origin(h)]);
+      straight_.push_back(false);
+      for (Index i = 0; i < inside; ++i) {
+        const Index at = mesh.against(h) ? lines.first[e + 1] - 2 - i : lines.first[e] + 1 + i;
+        const Index v = arrangement_.vertex(m, lines.nodes[at]);
+        if (v == none) continue;
+        corners_.push_back(v);
+        straight_.push_back(true);
+      }
+    }
+    emit_convex({m == 0 ? f : none, m == 1 ? f : none});
   }
 
  private:
-  bool real(int m, Index face) const { return face != none && arrangement_.mesh(m).real(face); }
-
-  /// How many real faces an edge has; an edge of the box counts as one of the exterior's.
-  void rate_edges(int m) {
-    const CompletedMesh& mesh = arrangement_.mesh(m);
-    real_sides_[m].resize(mesh.half.size());
-    for (std::size_t e = 0; e < mesh.half.size(); ++e) {
-      const Index h = mesh.half[e], t = mesh.twin[h];
-      real_sides_[m][e] = t == none ? 1 : mesh.real(h >> 2) + mesh.real(t >> 2);
-    }
+  std::array<Index, 3> corners_of(const CompletedMesh& mesh, int m, Index f) const {
+    const Array<Index>& number = arrangement_.number[m];
+    return {number[mesh.corner[4 * f]], number[mesh.corner[4 * f + 1]], number[mesh.corner[4 * f + 2]]};
   }
 
-  void place_points() {
-    out_.points = arrangement_.mesh(0).places;
-    const std::vector<Point2>& b = arrangement_.mesh(1).places;
-    out_.points.insert(out_.points.end(), b.begin(), b.end());
-    out_.points.reserve(arrangement_.vertices());
-    for (Index v = arrangement_.first_crossing(); v < arrangement_.vertices(); ++v)
-      out_.points.push_back(rounded(crossing_place(arrangement_, v)));
-  }
-
-  bool significant(const Piece& p) const {
-    return real_sides_[p.mesh][p.edge] > 0 || (p.edge_of_b != none && real_sides_[1][p.edge_of_b] > 0);
-  }
-
-  /// Is a vertex in the middle of a chain one of the result?
-  bool kept(Index v) const {
-    if (v >= arrangement_.first_crossing()) {
-      const Crossing& c = arrangement_.crossing(v);
-      return (paste_ ? real_sides_[0][c.edge[0]] == 1 : real_sides_[0][c.edge[0]] > 0) && real_sides_[1][c.edge[1]] > 0;
-    }
-    if (!paste_ || arrangement_.is_place_of(0, v)) return true;
-    const Location& where = arrangement_.location(1, arrangement_.place(1, v));
-    if (where.kind == Location::face) return !real(0, where.index);
-    return real_sides_[0][arrangement_.mesh(0).edge[where.index]] < 2;
-  }
-
-  void take(Region& region) {
-    const bool in_a = real(0, region.parent[0]), in_b = real(1, region.parent[1]);
-    if (paste_ && in_a) return;  // the face of A stays whole
-    if (in_a && in_b) {
-      begin_region(region.parent[0], region.parent[1]);
-      emit_convex(region.corners, region.flat);
-      return;
-    }
-    const Index group = in_a ? region.parent[0] : in_b ? faces_of_a_ + region.parent[1] : exterior_;
-    for (const Piece& p : region.pieces)
-      if (significant(p)) grouped_.push_back({group, p});
-  }
-
-  void begin_region(Index a, Index b) {
-    out_.regions.push_back({a, b});
-    ++out_.region_count;
-  }
-  void emit(Index a, Index b, Index c) {
-    out_.faces.push_back({a, b, c});
-    out_.region_of_face.push_back(static_cast<Index>(out_.regions.size()) - 1);
-  }
-  void emit_convex(const std::vector<Index>& corners, const std::vector<bool>& flat) {
-    ConvexTriangulator(
-        std::span<const Index>(corners), flat, [&](Index v) { return out_.points[v]; },
-        [&](Index a, Index b, Index c) { emit(a, b, c); })
-        .run();
-  }
-
-  /// A whole face of mesh m, with the vertices of the other mesh that stay on its edges.
-  void emit_whole(Index f, int m = 0) {
-    const CompletedMesh& mesh = arrangement_.mesh(m);
+  /// Follows the border of the region to the left of a piece of face f of A.
+  void trace(Index f, const Piece& start) {
+    const Index g = arrangement_.face_of_b(start.at, start.direction);
+    const bool in_both = a_.real(f) && b_.real(g);
     corners_.clear();
-    flat_.clear();
-    for (int k = 0; k < 3; ++k) {
-      const Index h = 4 * f + k, e = mesh.edge[h];
-      corners_.push_back(arrangement_.vertex(m, mesh.origin(h)));
-      flat_.push_back(false);
-      const Chains& chains = arrangement_.chains(m);
-      const Index count = chains.count(e);
-      for (Index i = 0; i < count; ++i) {
-        const Index v = chains.nodes[chains.first[e] + (mesh.half[e] == h ? i : count - 1 - i)];
-        if (!kept(v)) continue;
-        corners_.push_back(v);
-        flat_.push_back(true);
+    straight_.clear();
+    Piece piece = start;
+    do {
+      if (piece.mesh == 0) visited_[2 * static_cast<std::size_t>(piece.at) + piece.direction] = 1;
+      if (in_both) {
+        const Node node = arrangement_.lines[piece.mesh].nodes[piece.head()];
+        corners_.push_back(arrangement_.vertex(piece.mesh, node));
+      } else {
+        group(f, g, piece);
       }
-    }
-    begin_region(m == 0 ? f : none, m == 1 ? f : none);
-    emit_convex(corners_, flat_);
+      bool straight = false;
+      piece = arrangement_.next(piece, straight);
+      if (in_both) straight_.push_back(straight);
+    } while (piece != start);
+    if (in_both) emit_convex({f, g});
   }
 
-  void emit_groups() {
-    std::stable_sort(grouped_.begin(), grouped_.end(), [](auto& s, auto& t) { return s.group < t.group; });
-    for (std::size_t i = 0; i < grouped_.size();) {
+  void emit_triangle(Index a, Index b, const std::array<Index, 3>& c) {
+    ++sink_.regions;
+    sink_.faces.push_back({c[0], c[1], c[2]});
+    sink_.parents.push_back({a, b});
+    const auto& at = arrangement_.points;
+    sink_.all_positive = sink_.all_positive && orientation(at[c[0]], at[c[1]], at[c[2]]) > 0;
+  }
+
+  void emit_convex(std::array<Index, 2> parents) {
+    ++sink_.regions;
+    const bool positive = triangulator_.run(corners_, straight_, arrangement_.points, [&](Index a, Index b, Index c) {
+      sink_.faces.push_back({a, b, c});
+      sink_.parents.push_back(parents);
+    });
+    sink_.all_positive = sink_.all_positive && positive;
+  }
+
+  /// The edge of face f of mesh m that a piece is part of.
+  Index edge_of(int m, Index f, const Piece& piece) const {
+    const Lines& lines = arrangement_.lines[m];
+    for (int k = 0; k < 3; ++k) {
+      const Index e = arrangement_.mesh[m]->edge_of(4 * f + k);
+      if (lines.first[e] <= piece.at && piece.at < lines.first[e + 1]) return e;
+    }
+    throw Error(ErrorKind::internal, "overlay", "a region has a border that its faces do not have");
+  }
+
+  /// Notes a piece of the border of a region outside A or B, unless it is a ghost edge's.
+  void group(Index f, Index g, const Piece& piece) {
+    bool significant = arrangement_.mesh[piece.mesh]->sides[edge_of(piece.mesh, piece.mesh == 0 ? f : g, piece)] > 0;
+    if (!significant && piece.mesh == 0 && arrangement_.under[piece.at] < 0)
+      significant = b_.sides[b_.edge_of(~arrangement_.under[piece.at])] > 0;
+    if (significant) sink_.grouped.push_back({groups_.of(a_.real(f) ? f : none, b_.real(g) ? g : none), piece});
+  }
+
+  const Arrangement& arrangement_;
+  const CompletedMesh &a_, &b_;
+  Groups groups_;
+  bool paste_;
+  std::span<std::uint8_t> visited_;
+  Sink& sink_;
+  std::vector<Index> corners_;
+  std::vector<std::uint8_t> straight_;
+  ConvexTriangulator triangulator_;
+};
+
+/// Puts together and triangulates what ghost edges cut up.
+class GroupFiller {
+ public:
+  GroupFiller(const Arrangement& arrangement, Refinement refinement, bool exactly, Sink& sink)
+      : arrangement_(arrangement),
+        groups_(arrangement),
+        exactly_(exactly),
+        sink_(sink),
+        tracer_(arrangement, refinement, {}, sink) {}
+
+  /// Pieces sorted by group. Sets `exterior` to where its faces begin.
+  void run(std::span<const GroupedPiece> grouped, std::size_t& exterior) {
+    exterior = sink_.faces.size();
+    for (std::size_t i = 0; i < grouped.size();) {
       std::size_t j = i;
+      const Index group = grouped[i].group;
       bool only[2] = {true, true};
-      for (; j < grouped_.size() && grouped_[j].group == grouped_[i].group; ++j)
-        only[1 - grouped_[j].piece.mesh] = false;
-      const Index group = grouped_[i].group;
-      if (group < faces_of_a_ && only[0]) {
-        emit_whole(group, 0);
-      } else if (group >= faces_of_a_ && group < exterior_ && only[1]) {
-        emit_whole(group - faces_of_a_, 1);
-      } else {
-        emit_polygon(group, {grouped_.data() + i, j - i});
-      }
+      for (; j < grouped.size() && grouped[j].group == group; ++j) only[1 - grouped[j].piece.mesh] = false;
+      const auto [a, b] = groups_.parents(group);
+      if (group == groups_.exterior) exterior = sink_.faces.size();
+      if (a != none && only[0])
+        tracer_.whole(0, a);
+      else if (b != none && only[1])
+        tracer_.whole(1, b);
+      else
+        fill(group, grouped.subspan(i, j - i));
       i = j;
     }
   }
 
+ private:
   /// A region with any border: pieces are joined over vertices that do not stay, then filled.
-  void emit_polygon(Index group, std::span<const GroupedPiece> pieces) {
+  void fill(Index group, std::span<const GroupedPiece> pieces) {
     border_.clear();
     for (const GroupedPiece& g : pieces) {
       Piece p = g.piece;
-      const Index from = arrangement_.tail(p);
-      if (!kept(from)) continue;
-      const Index last = p.direction == 0 ? arrangement_.chains(p.mesh).count(p.edge) : 0;
-      while (p.position != last && !kept(arrangement_.head(p))) p.position += p.direction == 0 ? 1 : -1;
-      border_.push_back({from, arrangement_.head(p)});
+      const Array<Node>& nodes = arrangement_.lines[p.mesh].nodes;
+      const Index from = arrangement_.vertex(p.mesh, nodes[p.tail()]);
+      if (from == none) continue;
+      Index to;
+      while ((to = arrangement_.vertex(p.mesh, nodes[p.head()])) == none) p.at += p.direction == 0 ? 1 : -1;
+      border_.push_back({from, to});
     }
     FilledRegion filled;
-    if (!exactly_) filled = fill_region(out_.points, border_);
+    if (!exactly_) filled = fill_region(arrangement_.points, border_);
     if (!filled.sound)
       filled = fill_region_exactly(
-          out_.points,
-          [&](Index v) { return v < arrangement_.first_crossing() ? ExactPlace{} : crossing_place(arrangement_, v); },
-          border_);
+          arrangement_.points, [&](Index v) { return exact_place(arrangement_, v); }, border_);
     if (!filled.sound) throw Error(ErrorKind::internal, "overlay", "a region's border does not close");
-    const bool outside = group == exterior_;
-    out_.regions.push_back(
-        {group < faces_of_a_ ? group : none, !outside && group >= faces_of_a_ ? group - faces_of_a_ : none});
-    if (!outside) out_.region_count += filled.parts;
-    for (const Face& f : filled.faces) emit(f[0], f[1], f[2]);
+    if (group != groups_.exterior) sink_.regions += filled.parts;
+    const auto& at = arrangement_.points;
+    for (const Face& f : filled.faces) {
+      sink_.faces.push_back(f);
+      sink_.parents.push_back(groups_.parents(group));
+      sink_.all_positive = sink_.all_positive && orientation(at[f[0]], at[f[1]], at[f[2]]) > 0;
+    }
   }
 
   const Arrangement& arrangement_;
-  bool paste_, exactly_;
-  Index faces_of_a_, exterior_;
-  std::vector<std::uint8_t> real_sides_[2];
-  OverlayFaces out_;
-  std::vector<GroupedPiece> grouped_;
+  Groups groups_;
+  bool exactly_;
+  Sink& sink_;
+  RegionTracer tracer_;
   std::vector<BorderEdge> border_;
-  std::vector<Index> corners_;
-  std::vector<bool> flat_;
 };
+
+/// Every face of A, then every face of B, in ranges.
+Sink trace_all(const Arrangement& arrangement, Refinement refinement, Context& context) {
+  const std::size_t faces_of_a = arrangement.mesh[0]->faces(), faces_of_b = arrangement.mesh[1]->faces();
+  const std::size_t count = faces_of_a + faces_of_b, chunk = chunk_for(context, count);
+  Array<std::uint8_t> visited(2 * arrangement.lines[0].nodes.size(), 0);
+  std::vector<Sink> sinks((count + chunk - 1) / chunk);
+  // What general position gives; memory that is never touched costs nothing.
+  const std::size_t expected = 2 * static_cast<std::size_t>(arrangement.first_corner) + 64;
+  parallel_for(context, count, chunk, [&](std::size_t begin, std::size_t end) {
+    Sink& sink = sinks[begin / chunk];
+    if (sinks.size() == 1) {
+      sink.faces.reserve(expected);
+      sink.parents.reserve(expected);
+    }
+    RegionTracer tracer(arrangement, refinement, visited, sink);
+    for (std::size_t i = begin; i < end; ++i) {
+      if ((i & 0xFFFF) == 0) context.stop_if_cancelled();
+      if (i < faces_of_a)
+        tracer.face_of_a(static_cast<Index>(i));
+      else
+        tracer.face_of_b(static_cast<Index>(i - faces_of_a));
+    }
+  });
+  if (sinks.size() == 1) return std::move(sinks[0]);
+  Sink all;
+  std::vector<std::size_t> offset{0};
+  for (const Sink& sink : sinks) {
+    offset.push_back(offset.back() + sink.faces.size());
+    all.grouped.insert(all.grouped.end(), sink.grouped.begin(), sink.grouped.end());
+    all.regions += sink.regions;
+    all.all_positive = all.all_positive && sink.all_positive;
+  }
+  all.faces.resize(offset.back());
+  all.parents.resize(offset.back());
+  parallel_tasks(context, sinks.size(), [&](std::size_t i) {
+    const Sink sink = std::move(sinks[i]);
+    std::copy(sink.faces.begin(), sink.faces.end(), all.faces.begin() + offset[i]);
+    std::copy(sink.parents.begin(), sink.parents.end(), all.parents.begin() + offset[i]);
+  });
+  return all;
+}
 
 }  // namespace
 
-ExactPlace crossing_place(const Arrangement& arrangement, Index vertex) {
-  const Crossing& c = arrangement.crossing(vertex);
-  const CompletedMesh &a = arrangement.mesh(0), &b = arrangement.mesh(1);
-  const Index ha = a.half[c.edge[0]], hb = b.half[c.edge[1]];
-  ExactPlace place{ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)),
-                   b.at(b.target(hb))};
-  // Which way an edge happens to be stored must not show in the last bit.
-  const auto after = [](Point2 p, Point2 q) { return p.x > q.x || (p.x == q.x && p.y > q.y); };
-  if (after(place.p, place.q)) std::swap(place.p, place.q);
-  if (after(place.r, place.s)) std::swap(place.r, place.s);
-  return place;
-}
-
-OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, bool exactly, Context& context) {
-  FaceBuilder builder(arrangement, refinement, exactly);
-  context.progress("overlay", 0.6);
-  OverlayFaces faces = builder.build();
+OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, Context& context) {
+  Sink sink = trace_all(arrangement, refinement, context);
+  context.progress("overlay", 0.75);
+  std::stable_sort(sink.grouped.begin(), sink.grouped.end(), [](auto& s, auto& t) { return s.group < t.group; });
+  const std::vector<GroupedPiece> grouped = std::move(sink.grouped);
+  const std::size_t plain = sink.faces.size();
+  const Index plain_regions = sink.regions;
+  std::size_t exterior;
+  GroupFiller(arrangement, refinement, false, sink).run(grouped, exterior);
+  if (!sink.all_positive) {
+    sink.faces.resize(plain);
+    sink.parents.resize(plain);
+    sink.regions = plain_regions;
+    GroupFiller(arrangement, refinement, true, sink).run(grouped, exterior);
+  }
   context.progress("overlay", 0.8);
-  return faces;
+  return {std::move(sink.faces), std::move(sink.parents), exterior, sink.regions, sink.all_positive};
 }
 
 }  // namespace terrane

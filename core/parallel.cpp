@@ -15,17 +15,15 @@ namespace terrane {
 namespace {
 
 class Work {
-public:
-  Work(const Context &context, std::size_t count,
-       const std::function<void(std::size_t)> &task)
+ public:
+  Work(const Context &context, std::size_t count, const std::function<void(std::size_t)> &task)
       : context_(context), count_(count), task_(task) {}
 
   /// Takes tasks until none is left.
   void take() noexcept {
     for (;;) {
       const std::size_t i = next_++;
-      if (i >= count_)
-        return;
+      if (i >= count_) return;
       try {
         if (context_.cancelled.load(std::memory_order_relaxed)) {
           throw Error(ErrorKind::cancelled, "cancelled", "cancelled");
@@ -39,11 +37,10 @@ public:
   }
 
   void rethrow() const {
-    if (failure_)
-      std::rethrow_exception(failure_);
+    if (failure_) std::rethrow_exception(failure_);
   }
 
-private:
+ private:
   /// Every task before i has begun and will end by itself, so the one kept does
   /// not depend on who was faster.
   void fail(std::size_t i) {
@@ -64,24 +61,20 @@ private:
   std::size_t failed_ = 0;
 };
 
-} // namespace
+}  // namespace
 
-void parallel_tasks(const Context &context, std::size_t count,
-                    const std::function<void(std::size_t)> &task) {
+void parallel_tasks(const Context &context, std::size_t count, const std::function<void(std::size_t)> &task) {
   Work work(context, count, task);
   std::vector<std::thread> helpers;
-  const std::size_t threads =
-      std::min<std::size_t>(std::max(context.threads, 1), count);
+  const std::size_t threads = std::min<std::size_t>(std::max(context.threads, 1), count);
   try {
-    while (helpers.size() + 1 < threads)
-      helpers.emplace_back([&work] { work.take(); });
+    while (helpers.size() + 1 < threads) helpers.emplace_back([&work] { work.take(); });
   } catch (const std::system_error &) {
     // A machine that gives no more threads: those there are do the work.
   }
   work.take();
-  for (std::thread &helper : helpers)
-    helper.join();
+  for (std::thread &helper : helpers) helper.join();
   work.rethrow();
 }
 
-} // namespace terrane
+}  // namespace terrane

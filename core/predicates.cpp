@@ -49,9 +49,8 @@ int orientation_exact(Point2 a, Point2 b, Point2 c) {
   return static_cast<int>(CGAL::orientation(cgal(a), cgal(b), cgal(c)));
 }
 
-double area2_accurate(Point2 a, Point2 b, Point2 c) {
-  const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
-  if (std::fabs(d) > 4e-3 * (std::fabs(l) + std::fabs(r)) && std::fabs(d) > 1e-280) return d;
+double area2_slowly(Point2 a, Point2 b, Point2 c) {
+  const double d = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   if (!std::isfinite(d)) return d;
   const int sign = orientation_exact(a, b, c);
   if (sign == 0) return 0;

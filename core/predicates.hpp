@@ -20,8 +20,15 @@ inline int orientation(Point2 a, Point2 b, Point2 c) {
   return orientation_exact(a, b, c);
 }
 
+/// The slow path of `area2_accurate`.
+double area2_slowly(Point2 a, Point2 b, Point2 c);
+
 /// Twice the signed area of a b c with the exact sign (0 only when collinear) and a relative error below 1e-13.
-double area2_accurate(Point2 a, Point2 b, Point2 c);
+inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
+  const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
+  if (std::fabs(d) > 4e-3 * (std::fabs(l) + std::fabs(r)) && std::fabs(d) > 1e-280) return d;
+  return area2_slowly(a, b, c);
+}
 
 /// The sign of the in-circle test of d against the circle through a, b, c (counter-clockwise): +1 inside. Exact.
 int in_circle(Point2 a, Point2 b, Point2 c, Point2 d);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "core/crossing_point.hpp"
 #include "core/error.hpp"
 #include "core/kinetic.hpp"
 #include "core/mesh_editor.hpp"
@@ -140,35 +141,16 @@ Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::functio
 }  // namespace
 
 Point2 rounded(const ExactPlace& place) {
-  Point2 from = place.r, to = place.s;
-  double near_from, near_to;  // the distances from the ends, in some unit: accurate, of one sign
   if (place.kind == ExactPlace::ratio) {
-    from = place.p, to = place.q;
-    near_from = std::fabs(place.dp), near_to = std::fabs(place.dq);
-  } else {
-    near_from = std::fabs(area2_accurate(place.p, place.q, place.r));
-    near_to = std::fabs(area2_accurate(place.p, place.q, place.s));
+    constexpr Point2 any{0, 0}, other{1, 1};
+    return crossing_point(any, other, place.p, place.q, std::fabs(place.dp), std::fabs(place.dq));
   }
-  if (near_from > near_to) std::swap(near_from, near_to), std::swap(from, to);
-  const double t = near_from / (near_from + near_to);
-  Point2 at{from.x + (to.x - from.x) * t, from.y + (to.y - from.y) * t};
-  if (place.kind == ExactPlace::crossing) {
-    if (place.p.x == place.q.x) at.x = place.p.x;
-    if (place.p.y == place.q.y) at.y = place.p.y;
-  }
-  at.x = std::clamp(at.x, std::min(from.x, to.x), std::max(from.x, to.x));
-  at.y = std::clamp(at.y, std::min(from.y, to.y), std::max(from.y, to.y));
-  return at;
+  return crossing_point(place.p, place.q, place.r, place.s, std::fabs(area2_accurate(place.p, place.q, place.r)),
+                        std::fabs(area2_accurate(place.p, place.q, place.s)));
 }
 
 double rounding_bound(const ExactPlace& place) {
-  const bool ratio = place.kind == ExactPlace::ratio;
-  const Point2 from = ratio ? place.p : place.r, to = ratio ? place.q : place.s;
-  const auto along = [](double a, double b) {
-    constexpr double half_ulp = 1.1102230246251566e-16;
-    return std::fabs(b - a) * 1.5e-13 + std::max(std::fabs(a), std::fabs(b)) * half_ulp;
-  };
-  return std::hypot(along(from.x, to.x), along(from.y, to.y));
+  return place.kind == ExactPlace::ratio ? larger_bound(0, place.p, place.q) : larger_bound(0, place.r, place.s);
 }
 
 void connect(PlanarMesh& mesh) {

@@ -30,10 +30,10 @@ double rounding_bound(const ExactPlace& place);
 
 /// A triangulated piece of the plane under repair.
 struct PlanarMesh {
-  std::vector<Point2> points;    // rounded places, as they will be returned
-  std::vector<Face> faces;       // positive at the exact places; a dead face has faces[f][0] == none
-  std::vector<Face> neighbours;  // neighbours[f][k]: the face across the edge opposite corner k, or none
-  std::vector<Index> labels;     // what a face belongs to; a flip hands the neighbour's label to both
+  Array<Point2> points;    // rounded places, as they will be returned
+  Array<Face> faces;       // positive at the exact places; a dead face has faces[f][0] == none
+  Array<Face> neighbours;  // neighbours[f][k]: the face across the edge opposite corner k, or none
+  Array<Index> labels;     // what a face belongs to; a flip hands the neighbour's label to both
 };
 
 /// Fills `neighbours` from `faces`. Each directed edge may occur once.

@@ -27,7 +27,9 @@ Index near_place(const CompletedMesh& a, Location where, Point2 q, double tolera
     for (int k = 0; k < 3; ++k) {
       const Index i = a.corner[4 * face + k];
       if (i >= a.real_places()) continue;
-      const double d = std::hypot(a.at(i).x - q.x, a.at(i).y - q.y);
+      const double dx = a.at(i).x - q.x, dy = a.at(i).y - q.y;
+      if (std::fabs(dx) > tolerance || std::fabs(dy) > tolerance) continue;  // nearly always
+      const double d = std::hypot(dx, dy);
       if (d < nearest || (d == nearest && (best == none || i < best))) nearest = d, best = i;
     }
   };
@@ -36,23 +38,19 @@ Index near_place(const CompletedMesh& a, Location where, Point2 q, double tolera
   return best;
 }
 
-bool positive(const CompletedMesh& mesh, const std::vector<Point2>& at, Index f) {
+bool positive(const CompletedMesh& mesh, const Array<Point2>& at, Index f) {
   return orientation(at[mesh.corner[4 * f]], at[mesh.corner[4 * f + 1]], at[mesh.corner[4 * f + 2]]) > 0;
 }
 
 }  // namespace
 
-Snapped complete_and_snap(const Tin& b, const Box& frame, const CompletedMesh& a, double tolerance) {
+Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, const CompletedMesh& a, double tolerance,
+                    Context& context) {
   Snapped result;
-  result.mesh = complete(b, frame);
+  result.location = locate_places(completed, a, context);
+  result.mesh = std::move(completed);
   const CompletedMesh& mesh = result.mesh;
   const Index n = static_cast<Index>(mesh.places.size());
-  result.location.resize(n);
-  Index hint = 0;
-  for (Index j = 0; j < n; ++j) {
-    result.location[j] = locate(a, mesh.at(j), hint);
-    hint = face_at(a, result.location[j]);
-  }
   if (tolerance < 0) tolerance = four_ulp(a, mesh);
   if (tolerance == 0) return result;
 
@@ -77,7 +75,7 @@ Snapped complete_and_snap(const Tin& b, const Box& frame, const CompletedMesh& a
   }
   if (!any) return result;
 
-  std::vector<Point2> at = mesh.places;
+  Array<Point2> at = mesh.places;
   for (Index j = 0; j < n; ++j)
     if (partner[j] != none) at[j] = a.at(partner[j]);
   for (bool changed = true; changed;) {  // a face that would not stay positive keeps its corners where they were
@@ -96,7 +94,7 @@ Snapped complete_and_snap(const Tin& b, const Box& frame, const CompletedMesh& a
   std::vector<Point2> moved(b.vertices.size());
   for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = plan(b.vertices[v]);
   for (Index f = 0; f < mesh.real_faces; ++f)
-    for (int k = 0; k < 3; ++k) moved[mesh.vertex[3 * f + k]] = at[mesh.corner[4 * f + k]];
+    for (int k = 0; k < 3; ++k) moved[b.faces[mesh.tin_face(f)][k]] = at[mesh.corner[4 * f + k]];
   try {
     CompletedMesh snapped = complete(b, frame, &moved);
     if (snapped.places.size() != mesh.places.size()) return result;  // two became one: leave B alone

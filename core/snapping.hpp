@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "core/completed.hpp"
+#include "core/context.hpp"
 
 namespace terrane {
 
 struct Snapped {
-  CompletedMesh mesh;              // B, completed in the frame, its snapped vertices on A's
-  std::vector<Location> location;  // of every place of B in A
-  Index count = 0;                 // places moved
+  CompletedMesh mesh;        // B, completed in the frame, its snapped vertices on A's
+  Array<Location> location;  // of every place of B in A
+  Index count = 0;           // places moved
   double max_move = 0;
 };
 
-/// Completes B and moves each of its vertices that is mutually nearest with a vertex of A within `tolerance` (negative:
-/// 4 ulp of the largest coordinate) onto it, unless a face of B would not stay positive or B's border simple.
-Snapped complete_and_snap(const Tin& b, const Box& frame, const CompletedMesh& a, double tolerance);
+/// Moves each vertex of B that is mutually nearest with a vertex of A within `tolerance` (negative: 4 ulp of the
+/// largest coordinate) onto it, unless a face of B would not stay positive or B's border simple. `mesh`: B completed in
+/// the frame; a moved B is completed anew.
+Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh mesh, const CompletedMesh& a, double tolerance,
+                    Context& context);
 
 }  // namespace terrane

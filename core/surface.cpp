@@ -17,7 +17,7 @@ struct Jump {
   double dp, dq;  // f minus g
 };
 
-Jump jump(const CornerSurface& surface, const std::vector<Face>& neighbours, Index f, int k) {
+Jump jump(const CornerSurface& surface, const Array<Face>& neighbours, Index f, int k) {
   const Index g = neighbours[f][k];
   int j = 0;
   while (surface.faces[g][(j + 1) % 3] != surface.faces[f][(k + 2) % 3]) ++j;
@@ -25,7 +25,7 @@ Jump jump(const CornerSurface& surface, const std::vector<Face>& neighbours, Ind
   return {z(f, k + 1) - z(g, j + 2), z(f, k + 2) - z(g, j + 1)};
 }
 
-std::vector<EdgeCut> sign_changes(const CornerSurface& surface, const std::vector<Face>& neighbours) {
+std::vector<EdgeCut> sign_changes(const CornerSurface& surface, const Array<Face>& neighbours) {
   std::vector<EdgeCut> cuts;
   for (Index f = 0; f < static_cast<Index>(surface.faces.size()); ++f)
     for (int k = 0; k < 3; ++k) {
@@ -43,7 +43,7 @@ struct Closure {
   double from, to;
 };
 
-std::vector<Closure> closures(const CornerSurface& before, const std::vector<Face>& neighbours, const CutMesh& cut) {
+std::vector<Closure> closures(const CornerSurface& before, const Array<Face>& neighbours, const CutMesh& cut) {
   std::vector<Closure> found;
   for (std::size_t i = 0; i < cut.made.size(); ++i) {
     const Index v = cut.first_made + static_cast<Index>(i), w = cut.rounded.merged_into[v];
@@ -82,7 +82,7 @@ void apply(std::vector<Closure> closures, CornerSurface& surface) {
 /// Makes the zero points of jumps that change sign along an edge vertices of both faces.
 CornerSurface cut_at_zero_points(CornerSurface before, PlanarMesh mesh, const std::vector<EdgeCut>& cuts,
                                  RoundingReport& report, Context& context) {
-  const std::vector<Face> neighbours = mesh.neighbours;
+  const Array<Face> neighbours = mesh.neighbours;
   CutMesh cut = cut_edges(std::move(mesh), cuts, Chords::none, context);
   accumulate(report, cut.rounded.report);
   CornerSurface after;

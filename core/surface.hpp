@@ -15,8 +15,8 @@ enum class Seam { wall, ramp, split };
 
 /// Faces in plan with a height at every corner: what an overlay becomes once its heights are folded.
 struct CornerSurface {
-  std::vector<Point2> points;
-  std::vector<Face> faces;
+  Array<Point2> points;
+  Array<Face> faces;
   std::vector<double> z;  // 3 * face + corner
   /// 1 where z is the height of an input vertex as it came: welding keeps such a height and moves the interpolated
   /// ones. Empty: no height is dearer than another.

@@ -17,7 +17,7 @@ void report(Context& context, std::size_t done, std::size_t all) {
     context.progress("volume", static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all, 1)));
 }
 
-Box around(const std::vector<Point2>& points) {
+Box around(const Array<Point2>& points) {
   if (points.empty()) return {0, 0, 0, 0};
   Box box = {points[0].x, points[0].y, points[0].x, points[0].y};
   for (const Point2 p : points) {

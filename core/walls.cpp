@@ -12,7 +12,7 @@ namespace {
 
 class Raiser {
  public:
-  Raiser(const CornerSurface& surface, const std::vector<Face>& neighbours)
+  Raiser(const CornerSurface& surface, const Array<Face>& neighbours)
       : surface_(surface), neighbours_(neighbours) {}
 
   Walled run(bool walls) {
@@ -88,13 +88,13 @@ class Raiser {
   }
 
   const CornerSurface& surface_;
-  const std::vector<Face>& neighbours_;
+  const Array<Face>& neighbours_;
   Walled result_;
 };
 
 }  // namespace
 
-Walled raise(const CornerSurface& surface, const std::vector<Face>& neighbours, bool walls) {
+Walled raise(const CornerSurface& surface, const Array<Face>& neighbours, bool walls) {
   return Raiser(surface, neighbours).run(walls);
 }
 

@@ -14,6 +14,6 @@ struct Walled {
   Tin tin;
   double wall_area = 0;
 };
-Walled raise(const CornerSurface& surface, const std::vector<Face>& neighbours, bool walls);
+Walled raise(const CornerSurface& surface, const Array<Face>& neighbours, bool walls);
 
 }  // namespace terrane

@@ -59,7 +59,7 @@ class Carrier {
   }
 
   void carry(int input) {
-    std::vector<double>& heights = after_.heights[input];
+    Array<double>& heights = after_.heights[input];
     if (after_.per_corner[input]) {
       heights.assign(3 * after_.faces.size(), 0);
       for (std::size_t f = 0; f < after_.faces.size(); ++f)

@@ -41,7 +41,7 @@ Tin with_heights(const Overlay& o, int input) {  // input < 0: in plan
 double border_length(const Tin& tin) {
   PlanarMesh mesh;
   for (const Point& p : tin.vertices) mesh.points.push_back(plan(p));
-  mesh.faces = tin.faces;
+  mesh.faces.assign(tin.faces.begin(), tin.faces.end());
   connect(mesh);
   double length = 0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)

@@ -44,7 +44,7 @@ double covered(const Overlay& overlay, bool overlap_only) {
 Tin flat(const Overlay& overlay) {
   Tin tin;
   for (const Point2& p : overlay.points) tin.vertices.push_back({p.x, p.y, 0});
-  tin.faces = overlay.faces;
+  tin.faces.assign(overlay.faces.begin(), overlay.faces.end());
   return canonical(tin);
 }
 

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/edge_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/crossing_point.hpp"
+#include "core/error.hpp"
+#include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
+
+namespace terrane {
+namespace {
+
+bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear points: from -> to runs as start -> end?
+  if (start.x != end.x) return (to.x > from.x) == (end.x > start.x);
+  return (to.y > from.y) == (end.y > start.y);
+}
+
+class EdgeWalk {
+ public:
+  EdgeWalk(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, std::size_t most,
+           const Context& context)
+      : arrangement_(arrangement),
+        context_(context),
+        a_(*arrangement.mesh[0]),
+        b_(*arrangement.mesh[1]),
+        paste_(refinement == Refinement::paste),
+        begin_(begin),
+        end_(end),
+        most_(most) {}
+
+  Walked run() {
+    out_.first.resize(end_ - begin_);
+    // Terrain gives 2.5 crossings per edge; memory that is never touched costs nothing.
+    grow_nodes(4 * static_cast<std::size_t>(end_ - begin_) + 64);
+    grow_crossings(2 * static_cast<std::size_t>(end_ - begin_) + 64);
+    for (Index e = begin_; e < end_; ++e) {
+      if ((e & 0xFFFF) == 0) context_.stop_if_cancelled();
+      if (node_count_ + 64 > node_room_) grow_nodes(2 * node_room_);
+      out_.first[e - begin_] = static_cast<Index>(node_count_);
+      start_line(e);
+      if (!paste_ || a_.sides[e] < 2) follow(e);
+      push(end_node(0, a_.half[e]));
+      in_face(Arrangement::not_followed);
+    }
+    out_.nodes.resize(node_count_);
+    out_.under.resize(node_count_);
+    out_.crossings.resize(crossing_count_);
+    out_.along_b.resize(crossing_count_);
+    out_.edges_of_crossing.resize(vertex_count_);
+    out_.points.resize(vertex_count_);
+    for (auto& z : out_.heights) z.resize(vertex_count_);
+    return std::move(out_);
+  }
+
+ private:
+  void grow_nodes(std::size_t room) {
+    node_room_ = room;
+    out_.nodes.resize(room);
+    out_.under.resize(room);
+  }
+  void grow_crossings(std::size_t room) {
+    crossing_room_ = room;
+    out_.crossings.resize(room);
+    out_.along_b.resize(room);
+    out_.edges_of_crossing.resize(room);
+    out_.points.resize(room);
+    for (auto& z : out_.heights) z.resize(room);
+  }
+
+  Node end_node(int m, Index h) const {
+    const CompletedMesh& mesh = *arrangement_.mesh[m];
+    const Index junction = arrangement_.junction_of[m][mesh.target(h)];
+    return junction != none ? Node(Node::junction, junction) : Node(Node::end, h);
+  }
+  void push(Node node) { out_.nodes[node_count_++] = node; }
+  /// The piece that begins at the last node lies in a face of B, or along one of its half-edges.
+  void in_face(Index face) { out_.under[node_count_ - 1] = face; }
+  void along_half(Index h) {
+    out_.under[node_count_ - 1] = ~h;
+    out_.covered.push_back(b_.edge_of(h));
+  }
+
+  void start_line(Index e) {
+    const Index h = a_.half[e], t = a_.twin[h];
+    const Index junction = arrangement_.junction_of[0][a_.origin(h)];
+    push(junction != none ? Node(Node::junction, junction) : Node(Node::end, t));
+    in_face(Arrangement::not_followed);
+  }
+
+  double side(Index place) const { return area2_accurate(start_, goal_, b_.at(place)); }
+
+  bool ends_in(Index face) const {
+    switch (to_.kind) {
+      case Location::face:
+        return to_.index == face;
+      case Location::edge:
+        return (to_.index >> 2) == face || (b_.twin[to_.index] != none && (b_.twin[to_.index] >> 2) == face);
+      case Location::place:
+        return b_.corner[4 * face] == to_.index || b_.corner[4 * face + 1] == to_.index ||
+               b_.corner[4 * face + 2] == to_.index;
+    }
+    return false;
+  }
+
+  /// The half-edge of B between two of its places, or none.
+  Index half_between(Index from, Index to) const {
+    const Index first = b_.out[from];
+    for (Index h = first; h != none;) {
+      if (b_.target(h) == to) return h;
+      h = b_.rotate(h);
+      if (h == first) break;
+    }
+    return none;
+  }
+
+  void follow(Index e) {
+    edge_ = e;
+    const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
+    start_ = a_.at(u), goal_ = a_.at(w);
+    z_start_ = a_.z[u], z_goal_ = a_.z[w];
+    const Location from = arrangement_.location[0][u];
+    to_ = arrangement_.location[0][w];
+
+    Index at_place = none;  // the walk stands on this place of B
+    Index exit = none;      // or is about to leave a face through this half-edge, whose origin is right and target left
+    double right = 0, left = 0;
+    // Having come into the face of g through g (which runs from left to right), where does the line leave it?
+    const auto leave = [&](Index g) {
+      const Index p = b_.apex(g);
+      const double d = side(p);
+      if (d == 0) {
+        at_place = p;
+      } else if (d > 0) {
+        exit = next_half(g), left = d;
+      } else {
+        exit = prev_half(g), right = d;
+      }
+    };
+    if (from.kind == Location::place) {
+      if (to_.kind == Location::place)
+        if (const Index h = half_between(from.index, to_.index); h != none) return along_half(h);
+      at_place = from.index;
+    } else if (from.kind == Location::edge) {
+      const Index h = from.index;
+      const double o = side(b_.origin(h)), t = side(b_.target(h));
+      if (o == 0) {  // along the edge
+        const bool onward = ahead(start_, b_.at(b_.target(h)), start_, goal_);
+        along_half(onward ? h : b_.twin[h]);
+        if (to_.kind == Location::edge && to_.index == h) return;
+        at_place = onward ? b_.target(h) : b_.origin(h);
+      } else {
+        const Index g = o < 0 ? b_.twin[h] : h;  // the side of the edge that lies ahead
+        in_face(g >> 2);
+        if (ends_in(g >> 2)) return;
+        right = std::min(o, t), left = std::max(o, t);
+        leave(g);
+      }
+    } else {
+      const Index f = from.index;
+      in_face(f);
+      if (ends_in(f)) return;
+      double d[3];
+      for (int k = 0; k < 3; ++k) d[k] = side(b_.corner[4 * f + k]);
+      for (int k = 0; k < 3; ++k) {
+        const int k1 = k == 2 ? 0 : k + 1;
+        if (d[k] == 0 && d[k1] > 0) at_place = b_.corner[4 * f + k];
+        if (d[k] < 0 && d[k1] > 0) exit = 4 * f + k, right = d[k], left = d[k1];
+      }
+    }
+
+    for (;;) {
+      if (node_count_ + 2 > node_room_) grow_nodes(2 * node_room_);
+      if (at_place != none) {
+        const Index v = at_place;
+        at_place = none;
+        if (to_.kind == Location::place && to_.index == v) return;
+        if (!(from.kind == Location::place && from.index == v)) {
+          out_.touched.push_back({v, static_cast<Index>(node_count_)});
+          push(Node(Node::junction, arrangement_.junction_of[1][v]));
+        }
+        const Point2 V = b_.at(v);
+        bool found = false;
+        for (Index h = b_.out[v]; h != none && !found;) {
+          const Index q = b_.target(h);
+          const double dq = side(q);
+          if (dq == 0 && ahead(V, b_.at(q), start_, goal_)) {
+            along_half(h);
+            if (to_.kind == Location::edge && to_.index == b_.half[b_.edge_of(h)]) return;
+            at_place = q;
+            found = true;
+          } else if (dq < 0) {
+            const double da = side(b_.apex(h));
+            if (da > 0) {
+              in_face(h >> 2);
+              if (ends_in(h >> 2)) return;
+              exit = next_half(h), right = dq, left = da;
+              found = true;
+            }
+          }
+          h = b_.rotate(h);
+          if (h == b_.out[v]) break;
+        }
+        if (!found) throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
+        continue;
+      }
+      cross(exit, right, left);
+      const Index g = b_.twin[exit];
+      in_face(g >> 2);
+      if (ends_in(g >> 2)) return;
+      leave(g);
+    }
+  }
+
+  void cross(Index exit, double right, double left) {
+    if (crossing_count_ == crossing_room_) {
+      if (crossing_count_ > most_)
+        throw Error(
+            ErrorKind::limit, "too-many-crossings",
+            "the surfaces cross each other more than " + std::to_string(most_) +
+                " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
+      grow_crossings(2 * crossing_room_);
+    }
+    const Index eb = b_.edge_of(exit), hb = b_.half[eb];
+    const bool along = hb == exit;
+    const double to_r = std::fabs(along ? right : left), to_s = std::fabs(along ? left : right);
+    const std::size_t c = crossing_count_++;
+    Crossing& crossing = out_.crossings[c];
+    crossing.on_a = static_cast<Index>(node_count_);
+    crossing.on_b = 2 * static_cast<std::uint32_t>(eb) + along;
+    crossing.vertex = none;
+    const bool far = to_r > to_s;
+    const double t = (far ? to_s : to_r) / (to_r + to_s);
+    out_.along_b[c] = far ? 1 - t : t;
+    push(Node(Node::crossing, static_cast<Index>(c)));
+    if (b_.sides[eb] == 0 || (paste_ ? a_.sides[edge_] != 1 : a_.sides[edge_] == 0)) return;
+    const Index r = b_.origin(hb), s = b_.target(hb);
+    const Point2 R = b_.at(r), S = b_.at(s);
+    const Point2 at = crossing_point(start_, goal_, R, S, to_r, to_s);
+    crossing.vertex = static_cast<Index>(vertex_count_);
+    out_.points[vertex_count_] = at;
+    out_.edges_of_crossing[vertex_count_] = {edge_, eb};
+    out_.heights[0][vertex_count_] = mix(z_start_, z_goal_, fraction_along(start_, goal_, at));
+    out_.heights[1][vertex_count_] = mix(b_.z[r], b_.z[s], fraction_along(R, S, at));
+    ++vertex_count_;
+    out_.max_move = larger_bound(out_.max_move, R, S);
+  }
+
+  const Arrangement& arrangement_;
+  const Context& context_;
+  const CompletedMesh &a_, &b_;
+  bool paste_;
+  Index begin_, end_;
+  std::size_t most_;
+  Walked out_;
+  std::size_t node_count_ = 0, crossing_count_ = 0, vertex_count_ = 0, node_room_ = 0, crossing_room_ = 0;
+  // Of the edge being followed:
+  Index edge_ = none;
+  Point2 start_, goal_;
+  double z_start_ = 0, z_goal_ = 0;
+  Location to_;
+};
+
+}  // namespace
+
+Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, std::size_t most,
+                  const Context& context) {
+  return EdgeWalk(arrangement, refinement, begin, end, most, context).run();
+}
+
+}  // namespace terrane

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/junctions.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "core/error.hpp"
+#include "core/predicates.hpp"
+
+namespace terrane {
+namespace {
+
+class SpokeJoiner {
+ public:
+  SpokeJoiner(Arrangement& arrangement, const Array<Index> (&node_of)[2])
+      : arrangement_(arrangement), node_of_(node_of) {}
+
+  void run() {
+    mark_needed();
+    const std::size_t junctions = arrangement_.vertex_of_junction.size();
+    arrangement_.first_spoke.reserve(junctions + 1);
+    for (int m = 0; m < 2; ++m)
+      for (Index i = 0; i < static_cast<Index>(mesh(m).places.size()); ++i) {
+        const Location& where = arrangement_.location[m][i];
+        if (where.kind == Location::face || (m == 1 && where.kind == Location::place)) continue;
+        arrangement_.first_spoke.push_back(static_cast<Index>(arrangement_.spokes.size()));
+        if (needed_[arrangement_.junction_of[m][i]]) join(m, i, where);
+      }
+    arrangement_.first_spoke.push_back(static_cast<Index>(arrangement_.spokes.size()));
+  }
+
+ private:
+  struct Leaving {
+    Spoke spoke;
+    Point2 toward;
+    bool lower;  // in the half turn that begins with the direction of falling x
+  };
+
+  const CompletedMesh& mesh(int m) const { return *arrangement_.mesh[m]; }
+
+  void mark_needed() {
+    needed_.assign(arrangement_.vertex_of_junction.size(), 0);
+    for (Index f = 0; f < mesh(0).faces(); ++f) {
+      if (arrangement_.shared(f)) continue;
+      for (int k = 0; k < 3; ++k)
+        if (const Index j = arrangement_.junction_of[0][mesh(0).corner[4 * f + k]]; j != none) needed_[j] = 1;
+    }
+    for (Index j = 0; j < static_cast<Index>(mesh(1).places.size()); ++j)
+      if (arrangement_.location[1][j].kind == Location::edge) needed_[arrangement_.junction_of[1][j]] = 1;
+  }
+
+  void join(int m, Index place, const Location& where) {
+    centre_ = mesh(m).at(place);
+    for (auto& list : leaving_) list.clear();
+    around(m, place);
+    if (where.kind == Location::place)
+      around(1 - m, where.index);
+    else
+      along(1 - m, mesh(1 - m).edge_of(where.index), node_of_[m][place]);
+    // Each mesh gives its own in order, but for where the round begins.
+    for (auto& list : leaving_)
+      std::rotate(list.begin(),
+                  std::min_element(list.begin(), list.end(), [&](auto& s, auto& t) { return before(s, t); }),
+                  list.end());
+    merge();
+    label();
+    for (const Leaving& l : merged_) arrangement_.spokes.push_back(l.spoke);
+  }
+
+  void add(int m, const Piece& piece, Index left_face, Point2 toward) {
+    Leaving l{{{Arrangement::no_key, Arrangement::no_key}, none, false},
+              toward,
+              toward.y < centre_.y || (toward.y == centre_.y && toward.x < centre_.x)};
+    l.spoke.key[m] = arrangement_.key(piece);
+    if (m == 0) l.spoke.face_of_a = left_face;
+    leaving_[m].push_back(l);
+  }
+
+  /// The pieces of m that leave one of its places.
+  void around(int m, Index place) {
+    const CompletedMesh& own = mesh(m);
+    for (Index h = own.out[place]; h != none;) {
+      add(m, arrangement_.leaving(m, h), h >> 2, own.at(own.target(h)));
+      const Index last = prev_half(h);
+      h = own.rotate(h);
+      if (h == none) {  // a corner of the box: the last edge has a half-edge on one side only
+        const Index end = arrangement_.lines[m].first[own.edge_of(last) + 1] - 2;
+        add(m, {m, end, 1}, none, own.at(own.origin(last)));
+      }
+      if (h == own.out[place]) break;
+    }
+  }
+
+  /// The two pieces of m that leave a node inside one of its edges.
+  void along(int m, Index e, Index node) {
+    const Index h = mesh(m).half[e];
+    add(m, {m, node, 0}, mesh(m).left_face(e, 0), mesh(m).at(mesh(m).target(h)));
+    add(m, {m, node - 1, 1}, mesh(m).left_face(e, 1), mesh(m).at(mesh(m).origin(h)));
+  }
+
+  /// Counter-clockwise from the direction of growing x.
+  bool before(const Leaving& s, const Leaving& t) const {
+    if (s.lower != t.lower) return t.lower;
+    return orientation(centre_, s.toward, t.toward) > 0;
+  }
+
+  void merge() {
+    merged_.clear();
+    auto a = leaving_[0].begin(), b = leaving_[1].begin();
+    while (a != leaving_[0].end() || b != leaving_[1].end()) {
+      if (b == leaving_[1].end() || (a != leaving_[0].end() && before(*a, *b))) {
+        merged_.push_back(*a++);
+      } else if (a == leaving_[0].end() || before(*b, *a)) {
+        merged_.push_back(*b++);
+      } else {
+        a->spoke.key[1] = b++->spoke.key[1];
+        merged_.push_back(*a++);
+      }
+    }
+  }
+
+  void label() {
+    Index carried = none;
+    for (int round = 0; round < 2; ++round)
+      for (Leaving& l : merged_)
+        (l.spoke.key[0] != Arrangement::no_key ? carried : l.spoke.face_of_a) =
+            l.spoke.key[0] != Arrangement::no_key ? l.spoke.face_of_a : carried;
+    for (std::size_t i = 0; i < merged_.size(); ++i) {
+      const Leaving& turn = merged_[i == 0 ? merged_.size() - 1 : i - 1];
+      merged_[i].spoke.straight = orientation(centre_, merged_[i].toward, turn.toward) == 0;
+    }
+  }
+
+  Arrangement& arrangement_;
+  const Array<Index> (&node_of_)[2];
+  std::vector<std::uint8_t> needed_;
+  Point2 centre_;
+  std::vector<Leaving> leaving_[2], merged_;
+};
+
+}  // namespace
+
+void join_spokes(Arrangement& arrangement, const Array<Index> (&node_of)[2]) {
+  SpokeJoiner(arrangement, node_of).run();
+}
+
+Piece Arrangement::turn(const Piece& p, Index junction, bool& straight) const {
+  const std::uint32_t back = key(p) ^ 1;
+  const Spoke *begin = &spokes[first_spoke[junction]], *end = &spokes[first_spoke[junction + 1] - 1] + 1;
+  for (const Spoke* s = begin; s != end; ++s) {
+    if (s->key[0] != back && s->key[1] != back) continue;
+    straight = s->straight;
+    const Spoke& turned = *(s == begin ? end - 1 : s - 1);
+    return piece(turned.key[0] != no_key ? turned.key[0] : turned.key[1]);
+  }
+  throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
+}
+
+Index Arrangement::face_of_a_after(Index h) const {
+  const Index place = mesh[1]->origin(h), junction = junction_of[1][place];
+  if (junction == none) return location[1][place].index;
+  const std::uint32_t leaves = key(leaving(1, h));
+  const Index begin = first_spoke[junction], end = first_spoke[junction + 1];
+  for (Index i = begin; i < end; ++i)
+    if (spokes[i].key[1] == leaves)
+      return spokes[i + 1 == end ? begin : i + 1].key[1] == no_key ? none : spokes[i].face_of_a;
+  throw Error(ErrorKind::internal, "junction", "a half-edge does not leave its origin");
+}
+
+}  // namespace terrane
