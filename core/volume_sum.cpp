@@ -4,18 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/predicates.hpp"
+
 namespace terrane {
 namespace {
 
-double plan_area(const std::array<Point2, 3>& p) {
-  return 0.5 * std::fabs((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
-}
+/// Accurate however thin the face: a surface may be all slivers.
+double plan_area(const std::array<Point2, 3>& p) { return 0.5 * std::fabs(area2_accurate(p[0], p[1], p[2])); }
 
 /// Area on the face per area in plan.
 double slope_factor(const std::array<Point2, 3>& p, const std::array<double, 3>& z) {
   const double ux = p[1].x - p[0].x, uy = p[1].y - p[0].y, uz = z[1] - z[0];
   const double vx = p[2].x - p[0].x, vy = p[2].y - p[0].y, vz = z[2] - z[0];
-  const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+  const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = area2_accurate(p[0], p[1], p[2]);
   return nz == 0 ? 1 : std::sqrt(nx * nx + ny * ny + nz * nz) / std::fabs(nz);
 }
 
@@ -83,8 +84,10 @@ void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 
   cut(whole, tolerance_, fill, rest);
   for (int i = 0; i < rest.count; ++i) {
     const Piece& piece = rest.all[i];
-    if (std::min({piece.dz[0], piece.dz[1], piece.dz[2]}) >= -tolerance_) same.push(piece);
-    else cut(piece, -tolerance_, same, cut_pieces);
+    if (std::min({piece.dz[0], piece.dz[1], piece.dz[2]}) >= -tolerance_)
+      same.push(piece);
+    else
+      cut(piece, -tolerance_, same, cut_pieces);
   }
   add_side(fill_, fill, 1, slope);
   add_side(cut_, cut_pieces, -1, slope);

@@ -9,6 +9,7 @@
 
 #include "core/area_weights.hpp"
 #include "core/volume_sum.hpp"
+#include "support/exact.hpp"
 
 namespace terrane {
 namespace {
@@ -164,6 +165,22 @@ TEST(VolumeOfTwoSurfaces, CountsWhatOnlyOneHas) {
   const Volume back = volume(shifted, tin, 0, {}, context);
   EXPECT_EQ(back.cut.volume, v.fill.volume);
   EXPECT_EQ(back.net, -v.net);
+}
+
+TEST(VolumeOfTwoSurfaces, IsAccurateOnAFaceThatIsNearlyALine) {
+  // Collinear but for the last bits: plain doubles make half of its area of nothing.
+  const Tin low{
+      {{329.13582509016038, 30.100613181524018, 0}, {500, 500, 0}, {670.86417490983945, 969.89938681847605, 0}},
+      {{0, 1, 2}}};
+  Tin high = low;
+  for (Point& p : high.vertices) p.z = 1;
+  const double area =
+      0.5 * support::area2_exact(plan(low.vertices[0]), plan(low.vertices[1]), plan(low.vertices[2])).get_d();
+  ASSERT_GT(area, 0);
+  Context context;
+  const Volume v = volume(high, low, 0, {}, context);
+  EXPECT_NEAR(v.fill.volume, area, 1e-12 * area);
+  EXPECT_NEAR(v.overlap_area_2d, area, 1e-12 * area);
 }
 
 }  // namespace
