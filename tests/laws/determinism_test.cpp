@@ -42,8 +42,12 @@ class Bytes {
                  << r.regions << r.collapsed;
   }
   Bytes& operator<<(const Overlay& o) {
-    return *this << o.points << o.faces << o.parents << o.heights[0] << o.heights[1] << o.per_corner[0]
-                 << o.per_corner[1] << o.rounding;
+    *this << o.points << o.faces << o.parents << o.per_corner[0] << o.per_corner[1] << o.rounding;
+    for (const int input : {0, 1})  // heights mean nothing where there is no parent
+      for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
+        for (int k = 0; k < 3; ++k)
+          if (o.parents[f][input] != none) *this << o.height(input, f, k);
+    return *this;
   }
   Bytes& operator<<(const Tin& tin) { return *this << tin.vertices << tin.faces; }
   Bytes& operator<<(const Assembled& a) { return *this << a.tin << a.rounding << a.wall_area << a.max_closed_jump; }

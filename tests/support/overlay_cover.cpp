@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/overlay_cover.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <sstream>
+
+#include "support/cells.hpp"
+#include "support/exact.hpp"
+#include "support/plan_mesh.hpp"
+
+namespace terrane::support {
+namespace {
+
+using Parents = std::array<Index, 2>;
+
+double length(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+
+double perimeter(const Triangle& t) { return length(t[0], t[1]) + length(t[1], t[2]) + length(t[2], t[0]); }
+
+long double area(const Triangle& t) {
+  const long double ux = static_cast<long double>(t[1].x) - t[0].x, uy = static_cast<long double>(t[1].y) - t[0].y,
+                    vx = static_cast<long double>(t[2].x) - t[0].x, vy = static_cast<long double>(t[2].y) - t[0].y;
+  return (ux * vy - uy * vx) / 2;
+}
+
+struct Edge {
+  Point2 p, q;
+  Box box;
+};
+
+Edge edge(Point2 p, Point2 q) {
+  return {p, q, {std::min(p.x, q.x), std::min(p.y, q.y), std::max(p.x, q.x), std::max(p.y, q.y)}};
+}
+
+bool near(Point2 p, const Edge& e, double reach) {
+  return p.x >= e.box.xmin - reach && p.x <= e.box.xmax + reach && p.y >= e.box.ymin - reach &&
+         p.y <= e.box.ymax + reach && within(p, e.p, e.q, reach);
+}
+
+class Cover {
+ public:
+  Cover(const Tin& a, const Tin& b, Refinement refinement, const Overlay& overlay)
+      : inputs_{&a, &b}, refinement_(refinement), overlay_(overlay), cells_(shared_cells(a, b)) {
+    reach_ = 3 * overlay.rounding.max_move + 1e-300;  // products of denormal distances are none that doubles hold
+    for (const int m : {0, 1}) meshes_[m] = plan_mesh(*inputs_[m]);
+    wrong_.precision(17);
+  }
+
+  std::string judged() {
+    judge_parts();
+    judge_whole();
+    judge_edges(0);
+    if (refinement_ == Refinement::full) judge_edges(1);
+    judge_border();
+    return wrong_.str();
+  }
+
+ private:
+  /// By how much areas may be off: what the border of the part can have been moved, and the error of measuring.
+  double slack(double border, double extent) const { return 2 * reach_ * border + 1e-17 * extent * extent; }
+
+  /// Each pair of parents must cover what the two faces share, each lone parent what is left of it.
+  void judge_parts() {
+    struct Part {
+      long double wanted = 0, found = 0;
+      double border = 0, extent = 0;
+      bool has_face = false;
+    };
+    std::map<Parents, Part> parts;
+    for (const int m : {0, 1})
+      for (const Index f : meshes_[m].face_in_tin) {
+        const Triangle t = triangle(*inputs_[m], f);
+        Part& lone = parts[m == 0 ? Parents{f, none} : Parents{none, f}];
+        lone.wanted = area(t), lone.border = perimeter(t), lone.extent = lone.border;
+      }
+    std::size_t shared = 0;
+    for (const Cell& cell : cells_) {
+      const double extent = parts[{cell.a, none}].extent + parts[{none, cell.b}].extent;
+      if (refinement_ == Refinement::full) {
+        Part& both = parts[{cell.a, cell.b}];
+        both.wanted = cell.area, both.border = cell.perimeter, both.extent = extent;
+        ++shared;
+      }
+      for (const Parents lone : {Parents{cell.a, none}, Parents{none, cell.b}}) {
+        if (refinement_ == Refinement::paste && lone[0] != none) continue;
+        Part& rest = parts[lone];
+        rest.wanted -= cell.area, rest.border += cell.perimeter, rest.extent = std::max(rest.extent, extent);
+      }
+    }
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f) {
+      const Triangle t = triangle(overlay_.points, overlay_.faces[f]);
+      Part& part = parts[overlay_.parents[f]];
+      part.has_face = true;
+      part.found += area(t), part.border += perimeter(t), part.extent = std::max(part.extent, perimeter(t));
+    }
+    std::size_t lost = 0;
+    for (const auto& [parents, part] : parts) {
+      const double allowed = slack(part.border, part.extent);
+      if (!(std::fabs(part.found - part.wanted) <= allowed))
+        wrong_ << "parents " << parents[0] << " " << parents[1] << " cover " << part.found << " instead of "
+               << part.wanted << ", off by more than " << allowed << "; ";
+      lost += parents[0] != none && parents[1] != none && part.wanted > 0 && !part.has_face;
+    }
+    const RoundingReport& report = overlay_.rounding;
+    if (lost > static_cast<std::size_t>(report.collapsed))
+      wrong_ << lost << " regions have no face, " << report.collapsed << " are reported; ";
+    if (shared > static_cast<std::size_t>(report.regions))
+      wrong_ << shared << " pairs of faces meet, " << report.regions << " regions are reported; ";
+  }
+
+  /// The area of the union, but for what rounding moves crossings of borders. Where nothing moved it must be exact.
+  void judge_whole() {
+    ExactSum twice;
+    double border = 0;
+    const auto add = [&](const Triangle& t, double sign) {
+      for (int k = 0; k < 3; ++k) {
+        twice.add_product(sign * t[k].x, t[(k + 1) % 3].y);
+        twice.add_product(-sign * t[k].y, t[(k + 1) % 3].x);
+      }
+    };
+    for (const Face& f : overlay_.faces) add(triangle(overlay_.points, f), 1);
+    for (const int m : {0, 1}) {
+      for (const Index f : meshes_[m].face_in_tin) add(triangle(*inputs_[m], f), -1);
+      for (const auto& [u, v] : border_of(meshes_[m].faces))
+        border += length(meshes_[m].points[u], meshes_[m].points[v]);
+    }
+    long double shared = 0;
+    for (const Cell& cell : cells_) shared += cell.area;
+    const double delta = overlay_.rounding.max_move;
+    const double off = static_cast<double>(twice.value() / 2 + shared), allowed = (delta + 1e-300) * border;
+    const double doubt = 1e-17 * border * border;
+    if (std::fabs(off) + doubt <= allowed) return;
+    if (std::fabs(off) - doubt <= allowed && cells_.size() > 20) return;  // rationals take 20 us a cell
+    mpq_class exact = twice.rational() / 2;
+    for (const Cell& cell : cells_)
+      exact += shared_area_exact(triangle(*inputs_[0], cell.a), triangle(*inputs_[1], cell.b));
+    if (abs(exact) > mpq_class(allowed))
+      wrong_ << "the area is off by " << exact.get_d() << ", allowed are " << allowed << "; ";
+  }
+
+  /// Every edge of an input is a chain of edges of the result that runs within reach of it.
+  void judge_edges(int m) {
+    std::map<std::pair<Index, Index>, Parents> sides;  // of edges u < v: the parents left and right
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const Index u = overlay_.faces[f][k], v = overlay_.faces[f][(k + 1) % 3];
+        Parents& side = sides.try_emplace(std::minmax(u, v), Parents{none, none}).first->second;
+        side[u < v ? 0 : 1] = overlay_.parents[f][m];
+      }
+    std::vector<std::array<Index, 2>> all, between;  // those between two parents are what the input's edges left
+    for (const auto& [e, side] : sides) {
+      all.push_back({e.first, e.second});
+      if (side[0] != side[1]) between.push_back({e.first, e.second});
+    }
+    std::map<std::pair<double, double>, Index> at;
+    for (std::size_t v = 0; v < overlay_.points.size(); ++v)
+      at[{overlay_.points[v].x, overlay_.points[v].y}] = static_cast<Index>(v);
+    for (const Face& f : meshes_[m].faces) {
+      if (thickness(triangle(meshes_[m].points, f)) <= reach_) continue;  // such a face may go
+      for (int k = 0; k < 3; ++k) {
+        const Point2 p = meshes_[m].points[f[k]], q = meshes_[m].points[f[(k + 1) % 3]];
+        const auto s = at.find({p.x, p.y}), t = at.find({q.x, q.y});
+        if (s == at.end() || t == at.end()) continue;  // a missing vertex is said elsewhere
+        if (connected(edge(p, q), s->second, t->second, between) || connected(edge(p, q), s->second, t->second, all))
+          continue;
+        wrong_ << "edge " << p.x << " " << p.y << " - " << q.x << " " << q.y << " of input " << m
+               << " is not covered; ";
+      }
+    }
+  }
+
+  bool connected(const Edge& along, Index from, Index to, const std::vector<std::array<Index, 2>>& edges) {
+    group_.resize(overlay_.points.size());
+    std::iota(group_.begin(), group_.end(), 0);
+    const auto root = [&](Index v) {
+      while (group_[v] != v) v = group_[v] = group_[group_[v]];
+      return v;
+    };
+    for (Index v = 0; v < static_cast<Index>(overlay_.points.size());
+         ++v)  // an end may be as near as rounding leaves it
+      for (const Index end : {from, to})
+        if (length(overlay_.points[v], overlay_.points[end]) <= reach_) group_[root(v)] = root(end);
+    for (const auto& [u, v] : edges)
+      if (near(overlay_.points[u], along, reach_) && near(overlay_.points[v], along, reach_)) group_[root(u)] = root(v);
+    return root(from) == root(to);
+  }
+
+  /// Every edge of the border runs along the border of an input.
+  void judge_border() {
+    std::vector<Edge> borders;
+    for (const PlanMesh& mesh : meshes_)
+      for (const auto& [u, v] : border_of(mesh.faces)) borders.push_back(edge(mesh.points[u], mesh.points[v]));
+    for (const auto& [u, v] : border_of(overlay_.faces)) {
+      const Point2 p = overlay_.points[u], q = overlay_.points[v];
+      if (std::none_of(borders.begin(), borders.end(),
+                       [&](const Edge& e) { return near(p, e, reach_) && near(q, e, reach_); }))
+        wrong_ << "the border at " << p.x << " " << p.y << " - " << q.x << " " << q.y << " is nobody's; ";
+    }
+  }
+
+  std::array<const Tin*, 2> inputs_;
+  Refinement refinement_;
+  const Overlay& overlay_;
+  std::vector<Cell> cells_;
+  std::array<PlanMesh, 2> meshes_;
+  double reach_ = 0;
+  std::vector<Index> group_;
+  std::ostringstream wrong_;
+};
+
+}  // namespace
+
+std::string wrong_cover(const Tin& a, const Tin& b, Refinement refinement, const Overlay& overlay) {
+  return Cover(a, b, refinement, overlay).judged();
+}
+
+}  // namespace terrane::support

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/overlay_judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "support/exact.hpp"
+#include "support/height_judge.hpp"
+#include "support/overlay_cover.hpp"
+#include "support/plan_mesh.hpp"
+
+namespace terrane::support {
+namespace {
+
+using Place = std::pair<double, double>;
+
+/// Distances below it are not told apart: a product of two of them is none that doubles hold.
+constexpr double denormal = 1e-300;
+
+Place key(Point2 p) { return {p.x, p.y}; }
+
+std::set<Place> places_of(std::span<const Point2> points) {
+  std::set<Place> places;
+  for (const Point2 p : points) places.insert(key(p));
+  return places;
+}
+
+using Segment = std::array<Point2, 2>;
+
+/// Each edge once.
+std::vector<Segment> edges_of(const PlanMesh& mesh) {
+  std::set<std::pair<Index, Index>> seen;
+  std::vector<Segment> edges;
+  for (const Face& f : mesh.faces)
+    for (int k = 0; k < 3; ++k) {
+      const Index u = f[k], v = f[(k + 1) % 3];
+      if (seen.insert(std::minmax(u, v)).second) edges.push_back({mesh.points[u], mesh.points[v]});
+    }
+  return edges;
+}
+
+/// Whether p lies within `reach` of the crossing of two lines; false when they are parallel.
+bool near_crossing(Point2 p, const Segment& s, const Segment& t, double reach) {
+  using Real = long double;
+  const Real ux = Real(s[1].x) - s[0].x, uy = Real(s[1].y) - s[0].y, vx = Real(t[1].x) - t[0].x,
+             vy = Real(t[1].y) - t[0].y, wx = Real(t[0].x) - s[0].x, wy = Real(t[0].y) - s[0].y;
+  const Real across = ux * vy - uy * vx, along = (wx * vy - wy * vx) / across;
+  const Real distance = std::hypot(s[0].x - Real(p.x) + along * ux, s[0].y - Real(p.y) + along * uy);
+  const Real doubt =
+      2e-18L * (std::fabs(ux) + std::fabs(uy)) *
+      (2 + (std::fabs(wx * vy) + std::fabs(wy * vx) + std::fabs(ux * vy) + std::fabs(uy * vx)) / std::fabs(across));
+  if (distance + doubt <= reach) return true;
+  if (distance - doubt > reach) return false;
+  const mpq_class eux = mpq_class(s[1].x) - s[0].x, euy = mpq_class(s[1].y) - s[0].y;
+  const mpq_class evx = mpq_class(t[1].x) - t[0].x, evy = mpq_class(t[1].y) - t[0].y;
+  const mpq_class ewx = mpq_class(t[0].x) - s[0].x, ewy = mpq_class(t[0].y) - s[0].y;
+  const mpq_class exact_across = eux * evy - euy * evx;
+  if (exact_across == 0) return false;
+  const mpq_class at = (ewx * evy - ewy * evx) / exact_across;
+  const mpq_class dx = mpq_class(s[0].x) - p.x + at * eux, dy = mpq_class(s[0].y) - p.y + at * euy;
+  return dx * dx + dy * dy <= mpq_class(reach) * mpq_class(reach);
+}
+
+bool near_border(Point2 p, const PlanMesh& mesh, double reach) {
+  for (const auto& [u, v] : border_of(mesh.faces))
+    if (within(p, mesh.points[u], mesh.points[v], reach)) return true;
+  return false;
+}
+
+class Judge {
+ public:
+  Judge(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay)
+      : inputs_{&a, &b}, options_(options), overlay_(overlay) {
+    for (const int m : {0, 1}) meshes_[m] = plan_mesh(*inputs_[m]), places_[m] = places_of(meshes_[m].points);
+    wrong_.precision(17);
+  }
+
+  std::string judged() {
+    judge_presence();
+    judge_moves();
+    judge_parents();
+    judge_heights();
+    return wrong_.str();
+  }
+
+ private:
+  void judge_presence() {
+    const std::set<Place> there = places_of(overlay_.points);
+    for (const int m : {0, 1}) {
+      if (m == 1 && options_.refinement == Refinement::paste) continue;
+      // A face thinner than what rounding moves may go, and its corners with it; so may the tip of a face that reaches
+      // over the other's border by less than that.
+      const double reach = 3 * overlay_.rounding.max_move + denormal;
+      std::set<Place> thick;
+      for (const Face& f : meshes_[m].faces)
+        if (thickness(triangle(meshes_[m].points, f)) > reach)
+          for (const Index v : f) thick.insert(key(meshes_[m].points[v]));
+      for (const Place& p : thick)
+        if (!there.contains(p) && !near_border({p.first, p.second}, meshes_[1 - m], reach))
+          wrong_ << "vertex " << p.first << " " << p.second << " of input " << m << " is gone; ";
+    }
+  }
+
+  /// Every other vertex is the crossing of two edges, within max_move.
+  void judge_moves() {
+    const std::vector<Segment> edges[2] = {edges_of(meshes_[0]), edges_of(meshes_[1])};
+    const double reach = overlay_.rounding.max_move + denormal;
+    std::vector<const Segment*> near[2];
+    for (const Point2 p : overlay_.points) {
+      if (places_[0].contains(key(p)) || places_[1].contains(key(p))) continue;
+      for (const int m : {0, 1}) {
+        near[m].clear();
+        for (const Segment& e : edges[m])
+          if (p.x >= std::min(e[0].x, e[1].x) - reach && p.x <= std::max(e[0].x, e[1].x) + reach &&
+              p.y >= std::min(e[0].y, e[1].y) - reach && p.y <= std::max(e[0].y, e[1].y) + reach &&
+              within(p, e[0], e[1], reach))
+            near[m].push_back(&e);
+      }
+      bool found = false;
+      for (const Segment* s : near[0])
+        for (const Segment* t : near[1]) found = found || near_crossing(p, *s, *t, reach);
+      if (!found) wrong_ << "vertex " << p.x << " " << p.y << " is no crossing within " << reach << "; ";
+    }
+  }
+
+  void judge_parents() {
+    const RoundingReport& report = overlay_.rounding;
+    if (!(report.max_spill <= 3 * report.max_move + report.max_snap))
+      wrong_ << "a spill above 3 max_move is reported; ";
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
+      for (const int m : {0, 1}) {
+        const Index parent = overlay_.parents[f][m];
+        if (parent == none) continue;
+        const Triangle t = triangle(*inputs_[m], parent);
+        for (const Index v : overlay_.faces[f])
+          if (!within(overlay_.points[v], t, 3 * report.max_move + denormal))
+            wrong_ << "face " << f << " spills at " << overlay_.points[v].x << " " << overlay_.points[v].y
+                   << " from face " << parent << " of input " << m << "; ";
+      }
+  }
+
+  void judge_heights() {
+    const RoundingReport& report = overlay_.rounding;
+    const double radius = 2 * report.max_move + 2 * report.max_snap + denormal;
+    for (const int m : {0, 1}) {
+      const HeightJudge judge(*inputs_[m]);
+      std::map<Place, std::pair<double, bool>> own;  // of vertices of the input: the height, and whether it is the one
+      for (const Face& f : inputs_[m]->faces)
+        for (const Index v : f) {
+          const Point& p = inputs_[m]->vertices[v];
+          const auto at = own.try_emplace({p.x, p.y}, p.z, true);
+          at.first->second.second = at.first->second.second && at.first->second.first == p.z;
+        }
+      std::vector<std::pair<Index, double>> seen;  // a vertex and the height it was last right with
+      seen.resize(overlay_.points.size(), {none, 0});
+      for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) {
+        const Index parent = overlay_.parents[f][m];
+        if (parent == none) continue;
+        for (int k = 0; k < 3; ++k) {
+          const Index v = overlay_.faces[f][k];
+          const Point2 p = overlay_.points[v];
+          const double z = overlay_.height(m, f, k);
+          if (seen[v].first != none && seen[v].second == z) continue;
+          seen[v] = {v, z};
+          const auto vertex = own.find(key(p));
+          if (vertex != own.end() && vertex->second.second) {
+            if (z != vertex->second.first)
+              wrong_ << "height " << z << " at vertex " << p.x << " " << p.y << " of input " << m << " instead of "
+                     << vertex->second.first << "; ";
+          } else if (!judge.allows(p, radius, z, parent)) {
+            const auto range = judge.range(p, radius);
+            wrong_ << "height " << z << " at " << p.x << " " << p.y << " of input " << m << " is not in " << range.low
+                   << " to " << range.high << "; ";
+          }
+        }
+      }
+    }
+  }
+
+  std::array<const Tin*, 2> inputs_;
+  OverlayOptions options_;
+  const Overlay& overlay_;
+  std::array<PlanMesh, 2> meshes_;
+  std::array<std::set<Place>, 2> places_;
+  std::ostringstream wrong_;
+};
+
+}  // namespace
+
+Tin as_snapped(const Tin& a, const Tin& b, const Overlay& overlay) {
+  if (overlay.rounding.snapped == 0) return b;
+  const std::set<Place> there = places_of(overlay.points);
+  const PlanMesh mesh = plan_mesh(a);
+  Tin moved = b;
+  for (Point& p : moved.vertices) {
+    if (there.contains({p.x, p.y})) continue;
+    const auto nearest = std::min_element(mesh.points.begin(), mesh.points.end(), [&](Point2 s, Point2 t) {
+      return std::hypot(s.x - p.x, s.y - p.y) < std::hypot(t.x - p.x, t.y - p.y);
+    });
+    if (nearest == mesh.points.end() ||
+        std::hypot(nearest->x - p.x, nearest->y - p.y) > overlay.rounding.max_snap * (1 + 1e-15))
+      continue;
+    p.x = nearest->x, p.y = nearest->y;
+  }
+  return moved;
+}
+
+std::string broken_promises(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay) {
+  const std::string wrong = wrong_in_plan(overlay.points, overlay.faces);
+  if (!wrong.empty()) return wrong;
+  const Tin snapped = as_snapped(a, b, overlay);
+  return Judge(a, snapped, options, overlay).judged() + wrong_cover(a, snapped, options.refinement, overlay);
+}
+
+}  // namespace terrane::support
