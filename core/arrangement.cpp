@@ -15,6 +15,11 @@
 namespace terrane {
 namespace {
 
+/// The edge whose line a node is part of.
+Index line_of(const Lines& lines, Index node) {
+  return static_cast<Index>(std::upper_bound(lines.first.begin(), lines.first.end(), node) - lines.first.begin() - 1);
+}
+
 class Builder {
  public:
   Builder(const CompletedMesh& a, const CompletedMesh& b, Refinement refinement, Context& context)
@@ -103,71 +108,76 @@ class Builder {
     const std::size_t most = std::min<std::size_t>(10'000'000 + 32 * all_places, 400'000'000);
     const Index edges = mesh(0).edges();
     const std::size_t chunk = chunk_for(context_, edges), ranges = (edges + chunk - 1) / chunk;
+    place_in_lines_[0].assign(places(0), none);
+    place_in_lines_[1].assign(places(1), none);
+    out_.covered.assign(mesh(1).edges(), 0);
+    if (ranges == 1) return take(walk_edges(out_, refinement_, 0, edges, out_.first_crossing, most, context_));
     std::vector<Walked> walked(ranges);
     parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
       walked[begin / chunk] =
-          walk_edges(out_, refinement_, static_cast<Index>(begin), static_cast<Index>(end), most, context_);
+          walk_edges(out_, refinement_, static_cast<Index>(begin), static_cast<Index>(end), 0, most, context_);
     });
     struct Offset {
-      Index edges = 0, nodes = 0, crossings = 0, vertices = 0;
+      Index edges = 0, nodes = 0, vertices = 0;
+      std::size_t crossings = 0;
     };
     std::vector<Offset> offset(ranges + 1);
     offset[0].vertices = out_.first_crossing;
-    std::size_t crossings = 0;
     for (std::size_t r = 0; r < ranges; ++r) {
       const Walked& w = walked[r];
-      crossings += w.crossings.size();
-      if (crossings > most)
-        throw Error(
-            ErrorKind::limit, "too-many-crossings",
-            "the surfaces cross each other more than " + std::to_string(most) +
-                " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
       offset[r + 1] = {offset[r].edges + static_cast<Index>(w.first.size()),
                        offset[r].nodes + static_cast<Index>(w.nodes.size()),
-                       offset[r].crossings + static_cast<Index>(w.crossings.size()),
-                       offset[r].vertices + static_cast<Index>(w.points.size())};
+                       offset[r].vertices + static_cast<Index>(w.node_of_crossing.size()),
+                       offset[r].crossings + w.along_b.size()};
+      if (offset[r + 1].crossings > most) throw too_many_crossings(most);
       out_.max_move = std::max(out_.max_move, w.max_move);
     }
     const Offset total = offset[ranges];
     out_.first_corner = total.vertices;
-    const Index of_crossings = total.vertices - out_.first_crossing;
     out_.lines[0].first.resize(edges + 1);
     out_.lines[0].first[edges] = total.nodes;
     out_.lines[0].nodes.resize(total.nodes);
     out_.under.resize(total.nodes);
-    out_.crossings.resize(total.crossings);
+    out_.vertex_of_node.resize(total.nodes);
     along_b_.resize(total.crossings);
-    out_.edges_of_crossing.resize(of_crossings);
+    out_.node_of_crossing.resize(total.vertices - out_.first_crossing);
     out_.points.resize(total.vertices + 4);
     for (auto& z : out_.heights) z.resize(total.vertices + 4);
-    place_in_lines_[0].assign(places(0), none);
-    place_in_lines_[1].assign(places(1), none);
-    out_.covered.assign(mesh(1).edges(), 0);
     parallel_tasks(context_, ranges, [&](std::size_t r) {
-      Walked w = std::move(walked[r]);
+      const Walked w = std::move(walked[r]);
       const Offset at = offset[r];
+      const Index vertices = static_cast<Index>(w.node_of_crossing.size());
       for (std::size_t i = 0; i < w.first.size(); ++i) out_.lines[0].first[at.edges + i] = w.first[i] + at.nodes;
-      for (std::size_t i = 0; i < w.nodes.size(); ++i) {
-        Node& node = w.nodes[i];
-        out_.lines[0].nodes[at.nodes + i] =
-            node.kind() == Node::crossing ? Node(Node::crossing, node.index() + at.crossings) : node;
-      }
+      std::copy(w.nodes.begin(), w.nodes.end(), out_.lines[0].nodes.begin() + at.nodes);
       std::copy(w.under.begin(), w.under.end(), out_.under.begin() + at.nodes);
-      for (std::size_t i = 0; i < w.crossings.size(); ++i) {
-        Crossing c = w.crossings[i];
-        c.on_a += at.nodes;
-        if (c.vertex != none) c.vertex += at.vertices;
-        out_.crossings[at.crossings + i] = c;
+      for (std::size_t i = 0; i < w.nodes.size(); ++i) {
+        const Index v = w.vertex_of_node[i];  // arbitrary where no crossing stands
+        out_.vertex_of_node[at.nodes + i] = v == none ? none : v + at.vertices;
       }
       std::copy(w.along_b.begin(), w.along_b.end(), along_b_.begin() + at.crossings);
-      std::copy(w.edges_of_crossing.begin(), w.edges_of_crossing.end(),
-                out_.edges_of_crossing.begin() + (at.vertices - out_.first_crossing));
-      std::copy(w.points.begin(), w.points.end(), out_.points.begin() + at.vertices);
-      for (int m = 0; m < 2; ++m)
-        std::copy(w.heights[m].begin(), w.heights[m].end(), out_.heights[m].begin() + at.vertices);
+      for (Index i = 0; i < vertices; ++i)
+        out_.node_of_crossing[at.vertices - out_.first_crossing + i] = w.node_of_crossing[i] + at.nodes;
+      std::copy_n(w.points.begin(), vertices, out_.points.begin() + at.vertices);
+      for (int m = 0; m < 2; ++m) std::copy_n(w.heights[m].begin(), vertices, out_.heights[m].begin() + at.vertices);
       for (const auto& [place, node] : w.touched) place_in_lines_[1][place] = node + at.nodes;
       for (const Index e : w.covered) std::atomic_ref(out_.covered[e]).store(1, std::memory_order_relaxed);
     });
+  }
+
+  /// The one range that there is.
+  void take(Walked walked) {
+    out_.first_corner = out_.first_crossing + static_cast<Index>(walked.node_of_crossing.size());
+    out_.max_move = walked.max_move;
+    out_.lines[0] = {std::move(walked.first), std::move(walked.nodes)};
+    out_.lines[0].first.push_back(static_cast<Index>(out_.lines[0].nodes.size()));
+    out_.under = std::move(walked.under);
+    out_.vertex_of_node = std::move(walked.vertex_of_node);
+    along_b_ = std::move(walked.along_b);
+    out_.node_of_crossing = std::move(walked.node_of_crossing);
+    out_.points = std::move(walked.points);
+    for (int m = 0; m < 2; ++m) out_.heights[m] = std::move(walked.heights[m]);
+    for (const auto& [place, node] : walked.touched) place_in_lines_[1][place] = node;
+    for (const Index e : walked.covered) out_.covered[e] = 1;
   }
 
   /// Sorts what lies on each edge of B along it: by a double parameter, exactly where that cannot tell.
@@ -176,7 +186,8 @@ class Builder {
     const Index edges = b.edges();
     Array<Index>& first = out_.lines[1].first;
     Array<Index> filled(edges, 0);
-    for (const Crossing& c : out_.crossings) ++filled[c.on_b >> 1];
+    for (const Node node : out_.lines[0].nodes)
+      if (node.crossing()) ++filled[node.index()];
     for (Index i = 0; i < places(0); ++i)
       if (out_.location[0][i].kind == Location::edge) ++filled[b.edge_of(out_.location[0][i].index)];
     first.resize(edges + 1);
@@ -187,15 +198,30 @@ class Builder {
     }
     Array<Node>& nodes = out_.lines[1].nodes;
     nodes.resize(first[edges]);
-    for (std::size_t c = 0; c < out_.crossings.size(); ++c)
-      nodes[filled[out_.crossings[c].on_b >> 1]++] = Node(Node::crossing, static_cast<Index>(c));
+    keys_.resize(first[edges]);
+    const double* along = along_b_.data();
+    for (std::size_t i = 0; i < out_.lines[0].nodes.size(); ++i) {
+      const Node node = out_.lines[0].nodes[i];
+      if (!node.crossing()) continue;
+      const Index at = filled[node.index()]++;
+      nodes[at] = Node(node.kind(), static_cast<Index>(i));
+      keys_[at] = *along++;
+    }
+    along_b_ = {};
     for (Index i = 0; i < places(0); ++i)
-      if (out_.location[0][i].kind == Location::edge)
-        nodes[filled[b.edge_of(out_.location[0][i].index)]++] = Node(Node::junction, i);  // by its place for now
+      if (out_.location[0][i].kind == Location::edge) {
+        const Index h = out_.location[0][i].index, at = filled[b.edge_of(h)]++;
+        const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h)), p = mesh(0).at(i);
+        nodes[at] = Node(Node::junction, i);  // by its place for now
+        keys_[at] = by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y);
+      }
     parallel_for(context_, edges, chunk_for(context_, edges), [&](std::size_t begin, std::size_t end) {
       for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e));
     });
+    keys_ = {};
   }
+
+  static bool by_x(Point2 o, Point2 t) { return std::fabs(t.x - o.x) >= std::fabs(t.y - o.y); }
 
   Node end_node(int m, Index h, Index place) const {
     const Index junction = out_.junction_of[m][place];
@@ -210,49 +236,44 @@ class Builder {
     nodes[begin - 1] = end_node(1, b.twin[h], b.origin(h));
     nodes[end] = end_node(1, h, b.target(h));
     if (begin == end) return;
-    const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h));
-    const bool by_x = std::fabs(t.x - o.x) >= std::fabs(t.y - o.y);
-    const auto parameter = [&](Node node) {
-      if (node.kind() == Node::crossing) return along_b_[node.index()];
-      const Point2 p = mesh(0).at(node.index());
-      return by_x ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y);
-    };
-    using Number = ExactKernel::FT;
-    const auto exact = [&](Node node) -> Number {
-      if (node.kind() == Node::junction) {
-        const Point2 p = mesh(0).at(node.index());
-        return by_x ? (Number(p.x) - o.x) / (Number(t.x) - o.x) : (Number(p.y) - o.y) / (Number(t.y) - o.y);
-      }
-      // Its edge of A is the last line that begins before it.
-      const Array<Index>& first = out_.lines[0].first;
-      const Index of_a = static_cast<Index>(
-          std::upper_bound(first.begin(), first.end(), out_.crossings[node.index()].on_a) - first.begin() - 1);
-      const Index ha = mesh(0).half[of_a];
-      return exact_parameter(
-          {ExactPlace::crossing, mesh(0).at(mesh(0).origin(ha)), mesh(0).at(mesh(0).target(ha)), o, t});
-    };
     for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order
       const Node node = nodes[i];
-      const double key = parameter(node);
+      const double key = keys_[i];
       Index j = i;
       for (; j > begin; --j) {
-        const double before = parameter(nodes[j - 1]);
-        const bool less =
-            std::fabs(key - before) > 4e-12 * std::max(key, before) ? key < before : exact(node) < exact(nodes[j - 1]);
+        const double before = keys_[j - 1];
+        const bool less = std::fabs(key - before) > 4e-12 * std::max(key, before)
+                              ? key < before
+                              : exact_key(e, node) < exact_key(e, nodes[j - 1]);
         if (!less) break;
         nodes[j] = nodes[j - 1];
+        keys_[j] = before;
       }
       nodes[j] = node;
+      keys_[j] = key;
     }
     for (Index i = begin; i < end; ++i) {
-      if (nodes[i].kind() == Node::crossing) {
-        Crossing& c = out_.crossings[nodes[i].index()];
-        c.on_b = 2 * static_cast<std::uint32_t>(i) + (c.on_b & 1);
+      if (nodes[i].crossing()) {
+        out_.lines[0].nodes[nodes[i].index()] = Node(nodes[i].kind(), i);
       } else {
         place_in_lines_[0][nodes[i].index()] = i;
         nodes[i] = Node(Node::junction, out_.junction_of[0][nodes[i].index()]);
       }
     }
+  }
+
+  /// How far along edge e of B a node lies, exactly.
+  ExactKernel::FT exact_key(Index e, Node node) const {
+    using Number = ExactKernel::FT;
+    const Index h = mesh(1).half[e];
+    const Point2 o = mesh(1).at(mesh(1).origin(h)), t = mesh(1).at(mesh(1).target(h));
+    if (node.kind() == Node::junction) {
+      const Point2 p = mesh(0).at(node.index());
+      return by_x(o, t) ? (Number(p.x) - o.x) / (Number(t.x) - o.x) : (Number(p.y) - o.y) / (Number(t.y) - o.y);
+    }
+    const Index of_a = mesh(0).half[line_of(out_.lines[0], node.index())];
+    return exact_parameter(
+        {ExactPlace::crossing, mesh(0).at(mesh(0).origin(of_a)), mesh(0).at(mesh(0).target(of_a)), o, t});
   }
 
   /// The corners of the box come last: they close the exterior and are dropped with it.
@@ -270,11 +291,17 @@ class Builder {
   Refinement refinement_;
   Context& context_;
   Arrangement out_;
-  Array<double> along_b_;
+  Array<double> along_b_;  // of crossings in the order of A's lines
+  Array<double> keys_;     // of nodes of B's lines
   Array<Index> place_in_lines_[2];  // of a place of m inside an edge of the other mesh: its node there
 };
 
 }  // namespace
+
+std::array<Index, 2> Arrangement::crossing_edges(Index vertex) const {
+  const Index on_a = node_of_crossing[vertex - first_crossing];
+  return {line_of(lines[0], on_a), line_of(lines[1], lines[0].nodes[on_a].index())};
+}
 
 bool Arrangement::shared(Index face_of_a) const {
   Index common = none;
@@ -290,7 +317,7 @@ bool Arrangement::shared(Index face_of_a) const {
 
 ExactPlace exact_place(const Arrangement& arrangement, Index vertex) {
   if (vertex < arrangement.first_crossing || vertex >= arrangement.first_corner) return {};
-  const auto [ea, eb] = arrangement.edges_of_crossing[vertex - arrangement.first_crossing];
+  const auto [ea, eb] = arrangement.crossing_edges(vertex);
   const CompletedMesh &a = *arrangement.mesh[0], &b = *arrangement.mesh[1];
   const Index ha = a.half[ea], hb = b.half[eb];
   return {ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};

@@ -25,11 +25,16 @@ namespace terrane {
 /// What stands at one place of a line.
 class Node {
  public:
-  enum Kind : std::uint32_t { crossing = 0, end = 1, junction = 2 };
+  enum Kind : std::uint32_t {
+    leftward = 0,   // a crossing at which B's defining half-edge passes from A's right to its left
+    rightward = 1,  // or the other way; index: where the crossing stands in the lines of the other mesh
+    end = 2,        // index: the half-edge by which one comes here
+    junction = 3    // index: its number
+  };
   Node() = default;
   Node(Kind kind, Index index) : bits_(static_cast<std::uint32_t>(kind) << 30 | static_cast<std::uint32_t>(index)) {}
   Kind kind() const { return static_cast<Kind>(bits_ >> 30); }
-  /// Of a crossing its number; of an end the half-edge by which one comes there; of a junction its number.
+  bool crossing() const { return bits_ >> 31 == 0; }
   Index index() const { return static_cast<Index>(bits_ & 0x3FFFFFFF); }
 
  private:
@@ -52,13 +57,6 @@ struct Piece {
   bool operator==(const Piece&) const = default;
 };
 
-struct Crossing {
-  Index on_a;  // where it stands in the lines of A
-  std::uint32_t
-      on_b;      // in the lines of B: 2 * where, + 1 when B's defining half-edge passes from A's right to its left
-  Index vertex;  // none when it leaves no trace in the result
-};
-
 /// A place of one mesh on a place or an edge of the other: the pieces that leave it, counter-clockwise.
 struct Spoke {
   std::uint32_t
@@ -76,7 +74,7 @@ struct Arrangement {
   /// Per piece of A: the face of B that it lies in; ~h when it lies along half-edge h of B, in direction 0; or
   /// not_followed.
   Array<Index> under;
-  Array<Crossing> crossings;
+  Array<Index> vertex_of_node;  // per node of A that is a crossing: its vertex, or none
   Array<std::uint8_t> covered;  // per edge of B: some piece of A lies along it
 
   Array<Index> junction_of[2];  // of a place of m
@@ -86,7 +84,7 @@ struct Arrangement {
 
   Index first_b = 0, first_crossing = 0, first_corner = 0;  // vertices from here on are B's own places, crossings, ...
   Array<Index> place_of_vertex;                             // below first_crossing: a place of A; from first_b on, of B
-  Array<std::array<Index, 2>> edges_of_crossing;            // by vertex - first_crossing
+  Array<Index> node_of_crossing;  // by vertex - first_crossing: where it stands in the lines of A
   Array<Point2> points;                                     // of every vertex; crossings rounded
   Array<double> heights[2];  // of crossings and places, where the mesh has no jumps; NaN outside
   double max_move = 0;       // an upper bound of the rounding of crossings
@@ -102,17 +100,14 @@ struct Arrangement {
     if (m) key -= of_a;
     return {m, static_cast<Index>(key >> 1), static_cast<Index>(key & 1)};
   }
-  Index vertex(int m, Node node) const {
-    switch (node.kind()) {
-      case Node::crossing:
-        return crossings[node.index()].vertex;
-      case Node::end:
-        return number[m][mesh[m]->target(node.index())];
-      case Node::junction:
-        return vertex_of_junction[node.index()];
-    }
-    return none;
+  /// The vertex at a node of the lines of m, or none.
+  Index vertex(int m, Index at) const {
+    const Node node = lines[m].nodes[at];
+    if (node.crossing()) return vertex_of_node[m == 0 ? at : node.index()];
+    return node.kind() == Node::end ? number[m][mesh[m]->target(node.index())] : vertex_of_junction[node.index()];
   }
+  /// The edges of A and B that cross at a vertex.
+  std::array<Index, 2> crossing_edges(Index vertex) const;
   /// The face of B to the left of a piece of A.
   Index face_of_b(Index at, Index direction) const {
     const Index under_it = under[at];
@@ -131,15 +126,10 @@ struct Arrangement {
   /// junctions only.
   Piece next(const Piece& p, bool& straight) const {
     const Node node = lines[p.mesh].nodes[p.head()];
-    if (node.kind() == Node::crossing) {
-      const Crossing& c = crossings[node.index()];
-      const Index along = static_cast<Index>(c.on_b & 1);
-      if (p.mesh == 0) {  // up A turns left along B, down A turns right
-        const Index direction = (p.direction ^ along) ^ 1;
-        return {1, static_cast<Index>(c.on_b >> 1) - direction, direction};
-      }
-      const Index direction = (p.direction ^ along);
-      return {0, c.on_a - direction, direction};
+    if (node.crossing()) {  // up A turns left along B, down A turns right; and the same with A and B changed over
+      const Index turned = p.direction ^ static_cast<Index>(node.kind());
+      const Index direction = p.mesh == 0 ? turned : turned ^ 1;
+      return {1 - p.mesh, node.index() - direction, direction};
     }
     if (node.kind() == Node::end) return leaving(p.mesh, next_half(node.index()));
     return turn(p, node.index(), straight);

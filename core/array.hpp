@@ -1,45 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <sys/mman.h>
-
-#include <cstddef>
-#include <cstdlib>
-#include <new>
+#include <memory>
 #include <utility>
 #include <vector>
 
 namespace terrane {
 
-/// Memory for the big arrays of one computation. Asks for large pages, because the first touch of a small page costs
-/// more than most of what we compute on it, and leaves new elements uninitialised, because they are about to be
-/// written.
+/// Leaves new elements uninitialised: the big arrays of a computation are about to be written, and the first touch of their
+/// memory costs as much as most of what is computed on them.
 template <class T>
-struct PageAllocator {
-  using value_type = T;
-  static constexpr std::size_t page = std::size_t{2} << 20, big = 2 * page;
-
-  PageAllocator() = default;
+struct UninitialisedAllocator : std::allocator<T> {
   template <class U>
-  PageAllocator(const PageAllocator<U>&) {}
-  bool operator==(const PageAllocator&) const { return true; }
-
-  T* allocate(std::size_t count) {
-    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_alloc();
-    const std::size_t bytes = count * sizeof(T);
-    if (bytes < big) return static_cast<T*>(::operator new(bytes));
-    const std::size_t whole = (bytes + page - 1) / page * page;
-    void* memory = std::aligned_alloc(page, whole);
-    if (!memory) throw std::bad_alloc();
-    madvise(memory, whole, MADV_HUGEPAGE);  // a wish: nothing depends on whether it is granted
-    return static_cast<T*>(memory);
-  }
-  void deallocate(T* memory, std::size_t count) {
-    if (count * sizeof(T) < big)
-      ::operator delete(memory);
-    else
-      std::free(memory);
-  }
+  struct rebind {
+    using other = UninitialisedAllocator<U>;
+  };
+  using std::allocator<T>::allocator;
   template <class U>
   void construct(U* place) {
     ::new (static_cast<void*>(place)) U;
@@ -50,8 +26,8 @@ struct PageAllocator {
   }
 };
 
-/// std::vector in every respect but two: resize() does not initialise plain numbers, and big ones lie in large pages.
+/// std::vector in every respect but one: resize() leaves new numbers uninitialised.
 template <class T>
-using Array = std::vector<T, PageAllocator<T>>;
+using Array = std::vector<T, UninitialisedAllocator<T>>;
 
 }  // namespace terrane

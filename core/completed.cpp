@@ -49,7 +49,7 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
 }
 
 void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
-  mesh.corner.reserve(4 * tin.faces.size());
+  mesh.corner.reserve(4 * (tin.faces.size() + tin.faces.size() / 8) + 1024);  // ghosts will follow
   bool walls = false;
   for (std::size_t f = 0; f < tin.faces.size(); ++f) {
     const Face& face = tin.faces[f];
@@ -70,6 +70,7 @@ void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, Complete
 /// Pairs half-edges over shared edges: a bucket per lower end, a few entries each.
 void pair_real_halves(CompletedMesh& mesh) {
   const std::size_t halves = mesh.corner.size();
+  mesh.twin.reserve(mesh.corner.capacity());
   mesh.twin.assign(halves, none);
   Array<Index> start(mesh.places.size() + 2, 0);
   auto each = [&](auto&& visit) {

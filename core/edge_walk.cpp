@@ -20,8 +20,8 @@ bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear 
 
 class EdgeWalk {
  public:
-  EdgeWalk(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, std::size_t most,
-           const Context& context)
+  EdgeWalk(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
+           std::size_t most, const Context& context)
       : arrangement_(arrangement),
         context_(context),
         a_(*arrangement.mesh[0]),
@@ -29,13 +29,16 @@ class EdgeWalk {
         paste_(refinement == Refinement::paste),
         begin_(begin),
         end_(end),
-        most_(most) {}
+        most_(most),
+        first_vertex_(first_vertex),
+        vertex_count_(first_vertex) {}
 
   Walked run() {
+    out_.first.reserve(end_ - begin_ + 1);
     out_.first.resize(end_ - begin_);
     // Terrain gives 2.5 crossings per edge; memory that is never touched costs nothing.
-    grow_nodes(4 * static_cast<std::size_t>(end_ - begin_) + 64);
-    grow_crossings(2 * static_cast<std::size_t>(end_ - begin_) + 64);
+    grow_nodes(5 * static_cast<std::size_t>(end_ - begin_) + 64);
+    grow_crossings(3 * static_cast<std::size_t>(end_ - begin_) + 64);
     for (Index e = begin_; e < end_; ++e) {
       if ((e & 0xFFFF) == 0) context_.stop_if_cancelled();
       if (node_count_ + 64 > node_room_) grow_nodes(2 * node_room_);
@@ -47,27 +50,28 @@ class EdgeWalk {
     }
     out_.nodes.resize(node_count_);
     out_.under.resize(node_count_);
-    out_.crossings.resize(crossing_count_);
+    out_.vertex_of_node.resize(node_count_);
     out_.along_b.resize(crossing_count_);
-    out_.edges_of_crossing.resize(vertex_count_);
-    out_.points.resize(vertex_count_);
-    for (auto& z : out_.heights) z.resize(vertex_count_);
+    out_.node_of_crossing.resize(vertex_count_ - first_vertex_);
+    out_.points.resize(vertex_count_ + box_corners);
+    for (auto& z : out_.heights) z.resize(vertex_count_ + box_corners);
     return std::move(out_);
   }
 
  private:
+  static constexpr std::size_t box_corners = 4;  // room for the caller's last vertices
   void grow_nodes(std::size_t room) {
     node_room_ = room;
     out_.nodes.resize(room);
     out_.under.resize(room);
+    out_.vertex_of_node.resize(room);
   }
   void grow_crossings(std::size_t room) {
     crossing_room_ = room;
-    out_.crossings.resize(room);
     out_.along_b.resize(room);
-    out_.edges_of_crossing.resize(room);
-    out_.points.resize(room);
-    for (auto& z : out_.heights) z.resize(room);
+    out_.node_of_crossing.resize(room);
+    out_.points.resize(first_vertex_ + room + box_corners);
+    for (auto& z : out_.heights) z.resize(first_vertex_ + room + box_corners);
   }
 
   Node end_node(int m, Index h) const {
@@ -217,31 +221,27 @@ class EdgeWalk {
   void cross(Index exit, double right, double left) {
     if (crossing_count_ == crossing_room_) {
       if (crossing_count_ > most_)
-        throw Error(
-            ErrorKind::limit, "too-many-crossings",
-            "the surfaces cross each other more than " + std::to_string(most_) +
-                " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
+        throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
-    const Index eb = b_.edge_of(exit), hb = b_.half[eb];
-    const bool along = hb == exit;
+    const Index eb = b_.edge_of(exit);
+    const bool along = !b_.against(exit);
     const double to_r = std::fabs(along ? right : left), to_s = std::fabs(along ? left : right);
-    const std::size_t c = crossing_count_++;
-    Crossing& crossing = out_.crossings[c];
-    crossing.on_a = static_cast<Index>(node_count_);
-    crossing.on_b = 2 * static_cast<std::uint32_t>(eb) + along;
-    crossing.vertex = none;
     const bool far = to_r > to_s;
     const double t = (far ? to_s : to_r) / (to_r + to_s);
-    out_.along_b[c] = far ? 1 - t : t;
-    push(Node(Node::crossing, static_cast<Index>(c)));
+    out_.along_b[crossing_count_++] = far ? 1 - t : t;
+    Index& vertex = out_.vertex_of_node[node_count_];
+    const Index node = static_cast<Index>(node_count_);
+    push(Node(along ? Node::leftward : Node::rightward, eb));
+    vertex = none;
     if (b_.sides[eb] == 0 || (paste_ ? a_.sides[edge_] != 1 : a_.sides[edge_] == 0)) return;
-    const Index r = b_.origin(hb), s = b_.target(hb);
+    Index r = b_.origin(exit), s = b_.target(exit);
+    if (!along) std::swap(r, s);
     const Point2 R = b_.at(r), S = b_.at(s);
     const Point2 at = crossing_point(start_, goal_, R, S, to_r, to_s);
-    crossing.vertex = static_cast<Index>(vertex_count_);
+    vertex = static_cast<Index>(vertex_count_);
     out_.points[vertex_count_] = at;
-    out_.edges_of_crossing[vertex_count_] = {edge_, eb};
+    out_.node_of_crossing[vertex_count_ - first_vertex_] = node;
     out_.heights[0][vertex_count_] = mix(z_start_, z_goal_, fraction_along(start_, goal_, at));
     out_.heights[1][vertex_count_] = mix(b_.z[r], b_.z[s], fraction_along(R, S, at));
     ++vertex_count_;
@@ -255,7 +255,8 @@ class EdgeWalk {
   Index begin_, end_;
   std::size_t most_;
   Walked out_;
-  std::size_t node_count_ = 0, crossing_count_ = 0, vertex_count_ = 0, node_room_ = 0, crossing_room_ = 0;
+  Index first_vertex_;
+  std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_room_ = 0, crossing_room_ = 0;
   // Of the edge being followed:
   Index edge_ = none;
   Point2 start_, goal_;
@@ -265,9 +266,15 @@ class EdgeWalk {
 
 }  // namespace
 
-Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, std::size_t most,
-                  const Context& context) {
-  return EdgeWalk(arrangement, refinement, begin, end, most, context).run();
+Error too_many_crossings(std::size_t most) {
+  return Error(ErrorKind::limit, "too-many-crossings",
+               "the surfaces cross each other more than " + std::to_string(most) +
+                   " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
+}
+
+Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
+                  std::size_t most, const Context& context) {
+  return EdgeWalk(arrangement, refinement, begin, end, first_vertex, most, context).run();
 }
 
 }  // namespace terrane

@@ -2,18 +2,19 @@
 #pragma once
 
 #include "core/arrangement.hpp"
+#include "core/error.hpp"
 
 namespace terrane {
 
 /// What following a range of A's edges through B found. Numbers of nodes, crossings and vertices count from the
 /// beginning of the range.
 struct Walked {
-  Array<Index> first;  // per edge of the range: its origin in nodes
-  Array<Node> nodes;
-  Array<Index> under;                             // see Arrangement
-  Array<Crossing> crossings;                      // on_b: 2 * edge of B + 1 when along
-  Array<double> along_b;                          // how far along B's edge, 0 to 1; relative error below 1e-12
-  Array<std::array<Index, 2>> edges_of_crossing;  // of those that have a vertex, as all that follows
+  Array<Index> first;            // per edge of the range: its origin in nodes
+  Array<Node> nodes;             // of a crossing the index is, for now, the edge of B
+  Array<Index> under;            // see Arrangement, as the next one
+  Array<Index> vertex_of_node;
+  Array<double> along_b;         // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-12
+  Array<Index> node_of_crossing;  // of those that have a vertex, as all that follows
   Array<Point2> points;
   Array<double> heights[2];
   std::vector<std::array<Index, 2>> touched;  // places of B inside edges of A, each with its node
@@ -24,7 +25,9 @@ struct Walked {
 /// Follows edges begin .. end - 1 of A through B from face to face, deciding every step by the side on which a vertex
 /// of B lies: Guibas & Seidel (1987), Jiao & Heath (2004). Reads of `arrangement` the meshes, the locations, the
 /// junctions of places and which places have a vertex. Throws Error{limit, "too-many-crossings"} above `most`.
-Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, std::size_t most,
-                  const Context& context);
+Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
+                  std::size_t most, const Context& context);
+
+Error too_many_crossings(std::size_t most);
 
 }  // namespace terrane

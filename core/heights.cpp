@@ -52,7 +52,7 @@ void place_vertices(Arrangement& arrangement, Context& context) {
 double FaceHeights::at(Index face, Index vertex, Point2 p) const {
   Index place = none, edge = none;
   if (vertex >= arrangement_.first_crossing) {
-    edge = arrangement_.edges_of_crossing[vertex - arrangement_.first_crossing][m_];
+    edge = arrangement_.crossing_edges(vertex)[m_];
   } else {
     const int own = vertex >= arrangement_.first_b;
     place = arrangement_.place_of_vertex[vertex];

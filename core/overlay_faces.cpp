@@ -108,7 +108,7 @@ class RegionTracer {
       straight_.push_back(false);
       for (Index i = 0; i < inside; ++i) {
         const Index at = mesh.against(h) ? lines.first[e + 1] - 2 - i : lines.first[e] + 1 + i;
-        const Index v = arrangement_.vertex(m, lines.nodes[at]);
+        const Index v = arrangement_.vertex(m, at);
         if (v == none) continue;
         corners_.push_back(v);
         straight_.push_back(true);
@@ -133,8 +133,7 @@ class RegionTracer {
     do {
       if (piece.mesh == 0) visited_[2 * static_cast<std::size_t>(piece.at) + piece.direction] = 1;
       if (in_both) {
-        const Node node = arrangement_.lines[piece.mesh].nodes[piece.head()];
-        corners_.push_back(arrangement_.vertex(piece.mesh, node));
+        corners_.push_back(arrangement_.vertex(piece.mesh, piece.head()));
       } else {
         group(f, g, piece);
       }
@@ -227,11 +226,10 @@ class GroupFiller {
     border_.clear();
     for (const GroupedPiece& g : pieces) {
       Piece p = g.piece;
-      const Array<Node>& nodes = arrangement_.lines[p.mesh].nodes;
-      const Index from = arrangement_.vertex(p.mesh, nodes[p.tail()]);
+      const Index from = arrangement_.vertex(p.mesh, p.tail());
       if (from == none) continue;
       Index to;
-      while ((to = arrangement_.vertex(p.mesh, nodes[p.head()])) == none) p.at += p.direction == 0 ? 1 : -1;
+      while ((to = arrangement_.vertex(p.mesh, p.head())) == none) p.at += p.direction == 0 ? 1 : -1;
       border_.push_back({from, to});
     }
     FilledRegion filled;

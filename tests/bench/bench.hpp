@@ -12,7 +12,7 @@ namespace terrane::bench {
 
 /// Words of a subcommand: files, and `--name value` or `--name` for options.
 class Words {
-public:
+ public:
   Words(int argc, char **argv) : words_(argv, argv + argc) {}
 
   /// The value of an option, which is taken out; `otherwise` when it was not
@@ -21,10 +21,9 @@ public:
   bool flag(const std::string &name);
   /// What is left. Throws Error{usage} with `usage` unless these are `count`
   /// files.
-  std::vector<std::string> files(std::size_t count,
-                                 const std::string &usage) const;
+  std::vector<std::string> files(std::size_t count, const std::string &usage) const;
 
-private:
+ private:
   std::vector<std::string> words_;
 };
 
@@ -38,4 +37,4 @@ Raster read_raster(const std::string &path);
 int overlay(Words words);
 int triangulate(Words words);
 
-} // namespace terrane::bench
+}  // namespace terrane::bench

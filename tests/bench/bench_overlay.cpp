@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <malloc.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -8,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/overlay.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "tests/bench/bench.hpp"
 
@@ -16,66 +18,77 @@ namespace terrane::bench {
 namespace {
 
 /// Resident memory now, and its peak since reset_peak().
-std::size_t status_bytes(const char *key) {
+std::size_t status_bytes(const char* key) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
-    if (line.rfind(key, 0) == 0)
-      return std::strtoull(line.c_str() + std::string(key).size() + 1, nullptr,
-                           10) *
-             1024;
+    if (line.rfind(key, 0) == 0) return std::strtoull(line.c_str() + std::string(key).size() + 1, nullptr, 10) * 1024;
   return 0;
 }
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
-} // namespace
+struct Usage {
+  double cpu_seconds;
+  std::size_t page_faults;
+};
+Usage usage() {
+  rusage r;
+  getrusage(RUSAGE_SELF, &r);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {seconds(r.ru_utime) + seconds(r.ru_stime), static_cast<std::size_t>(r.ru_minflt)};
+}
 
-/// From triangle soup to verified overlay, cold unless --warm: memory is given
-/// back between rounds.
+}  // namespace
+
+/// From triangle soup to verified overlay, cold unless --warm: memory is given back between rounds. The peak is that of
+/// the overlay alone, its inputs excluded.
 int overlay(Words words) {
   const int threads = static_cast<int>(words.number("--threads", 1));
   const int repeat = std::max(1, static_cast<int>(words.number("--repeat", 3)));
   const bool warm = words.flag("--warm");
-  const auto files =
-      words.files(2, "overlay A.ply B.ply [--threads N] [--repeat R] [--warm]");
-  const Tin a = read_tin(files[0]), b = read_tin(files[1]);
-  std::vector<double> prepare, refine, verify, total;
-  std::size_t faces = 0, peak = 0;
-  Index regions = 0;
+  const auto files = words.files(2, "overlay A.ply B.ply [--threads N] [--repeat R] [--warm]");
+  const Tin tins[2] = {read_tin(files[0]), read_tin(files[1])};
+  std::vector<double> prepare, refine, verify, total, cpu;
+  std::size_t faces = 0, peak = 0, faults = 0;
+  RoundingReport rounding;
   for (int r = 0; r < repeat; ++r) {
-    if (!warm)
-      malloc_trim(0);
-    reset_peak();
-    const std::size_t before = status_bytes("VmRSS:");
+    if (!warm) malloc_trim(0);
     Context context;
     context.threads = threads;
+    const Usage before = usage();
     const double t0 = now();
-    const Tin sorted_a = canonical(a), sorted_b = canonical(b);
+    Tin sorted[2];
+    parallel_tasks(context, 2, [&](std::size_t i) { sorted[i] = canonical(tins[i]); });
     const double t1 = now();
-    const Overlay result = terrane::overlay(sorted_a, sorted_b, {}, context);
+    reset_peak();
+    const std::size_t inputs = status_bytes("VmRSS:");
     const double t2 = now();
-    std::size_t bad = 0; // once more, on what would be returned
-    for (const Face &f : result.faces)
-      bad += orientation(result.points[f[0]], result.points[f[1]],
-                         result.points[f[2]]) <= 0;
+    const Overlay result = terrane::overlay(sorted[0], sorted[1], {}, context);
     const double t3 = now();
-    if (bad != 0)
-      throw Error(ErrorKind::internal, "verify", "faces that are not positive");
+    std::size_t bad = 0;  // once more, on what would be returned
+    for (const Face& f : result.faces)
+      bad += orientation(result.points[f[0]], result.points[f[1]], result.points[f[2]]) <= 0;
+    const double t4 = now();
+    const Usage after = usage();
+    if (bad != 0) throw Error(ErrorKind::internal, "verify", "faces that are not positive");
     prepare.push_back(t1 - t0);
-    refine.push_back(t2 - t1);
-    verify.push_back(t3 - t2);
-    total.push_back(t3 - t0);
+    refine.push_back(t3 - t2);
+    verify.push_back(t4 - t3);
+    total.push_back(t1 - t0 + t4 - t2);
+    cpu.push_back(after.cpu_seconds - before.cpu_seconds);
+    faults = after.page_faults - before.page_faults;
     faces = result.faces.size();
-    regions = result.rounding.regions;
-    peak = std::max(peak, status_bytes("VmHWM:") -
-                              std::min(before, status_bytes("VmHWM:")));
+    rounding = result.rounding;
+    peak = std::max(peak, status_bytes("VmHWM:") - std::min(inputs, status_bytes("VmHWM:")));
   }
-  std::printf("{\"prepare_seconds\":%.6f,\"overlay_seconds\":%.6f,\"verify_"
-              "seconds\":%.6f,\"total_seconds\":%.6f,"
-              "\"faces\":%zu,\"regions\":%d,\"peak_bytes\":%zu,\"threads\":%d,"
-              "\"repeat\":%d}\n",
-              median(prepare), median(refine), median(verify), median(total),
-              faces, regions, peak, threads, repeat);
+  std::printf(
+      "{\"prepare_seconds\":%.6f,\"overlay_seconds\":%.6f,\"verify_seconds\":%.6f,\"total_seconds\":%.6f,"
+      "\"cpu_seconds\":%.6f,\"faces\":%zu,\"regions\":%d,\"merges\":%d,\"flips\":%d,\"kinetic\":%d,"
+      "\"peak_bytes\":%zu,\"page_faults\":%zu,\"threads\":%d,\"repeat\":%d}\n",
+      median(prepare), median(refine), median(verify), median(total), median(cpu), faces, rounding.regions,
+      rounding.merges, rounding.flips, rounding.kinetic, peak, faults, threads, repeat);
   return 0;
 }
 
-} // namespace terrane::bench
+}  // namespace terrane::bench

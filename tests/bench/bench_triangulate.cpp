@@ -13,8 +13,7 @@ int triangulate(Words words) {
   const int threads = static_cast<int>(words.number("--threads", 1));
   const int repeat = std::max(1, static_cast<int>(words.number("--repeat", 3)));
   const double max_error = words.number("--max-error", 1);
-  const auto files = words.files(
-      1, "triangulate DEM.tif [--max-error E] [--threads N] [--repeat R]");
+  const auto files = words.files(1, "triangulate DEM.tif [--max-error E] [--threads N] [--repeat R]");
   const Raster dem = read_raster(files[0]);
   std::vector<double> seconds;
   Triangulated result;
@@ -25,18 +24,16 @@ int triangulate(Words words) {
     const double start = now();
     result = terrane::triangulate(dem, {.max_error = max_error}, context);
     seconds.push_back(now() - start);
-    if (result.error > max_error)
-      throw Error(ErrorKind::internal, "bound", "the bound does not hold");
+    if (result.error > max_error) throw Error(ErrorKind::internal, "bound", "the bound does not hold");
   }
   const double best = *std::min_element(seconds.begin(), seconds.end());
-  std::printf("{\"seconds\":%.6f,\"best_seconds\":%.6f,\"samples_per_second\":%"
-              ".0f,\"points\":%zu,\"faces\":%zu,"
-              "\"error\":%.9g,\"threads\":%d,\"repeat\":%d}\n",
-              median(seconds), best,
-              static_cast<double>(dem.samples.size()) / median(seconds),
-              result.tin.vertices.size(), result.tin.faces.size(), result.error,
-              threads, repeat);
+  std::printf(
+      "{\"seconds\":%.6f,\"best_seconds\":%.6f,\"samples_per_second\":%"
+      ".0f,\"points\":%zu,\"faces\":%zu,"
+      "\"error\":%.9g,\"threads\":%d,\"repeat\":%d}\n",
+      median(seconds), best, static_cast<double>(dem.samples.size()) / median(seconds), result.tin.vertices.size(),
+      result.tin.faces.size(), result.error, threads, repeat);
   return 0;
 }
 
-} // namespace terrane::bench
+}  // namespace terrane::bench
