@@ -36,7 +36,7 @@ bool LatticeMesh::in_circle(LatticePoint a, LatticePoint b, LatticePoint c, Latt
 }
 
 void LatticeMesh::replace_neighbour(Index t, Index old, Index now) {
-  if (t != none) triangles[t].n[side_to(triangles[t], old)] = now;
+  if (t >= 0) triangles[t].n[side_to(triangles[t], old)] = now;
 }
 
 /// Turns the edge opposite corner k of t. Afterwards that corner is v[0] of both t and its neighbour, t the right one.
@@ -58,7 +58,7 @@ void LatticeMesh::legalize() {
   while (!pending_.empty()) {
     const Index t = pending_.back();
     const Index o = triangles[t].n[0];
-    if (o == none) {
+    if (o < 0) {
       pending_.pop_back();
       continue;
     }
@@ -100,7 +100,7 @@ Index LatticeMesh::insert(LatticePoint p, Index t) {
   triangles.push_back({{v, b, c}, {beyond_a, t, none}});
   replace_neighbour(beyond_a, t, fresh);
   pending_ = {t, fresh};
-  if (o != none) {
+  if (o >= 0) {
     const LatticeTriangle across = triangles[o];
     const int q = side_to(across, t);
     const Index d = across.v[q], beyond_right = across.n[next(q)], beyond_left = across.n[previous(q)];
@@ -209,19 +209,12 @@ bool LatticeMesh::enforce(Index u, Index v) {
   return true;
 }
 
-/// Lawson's flips from all edges: from any triangulation to the constrained Delaunay one.
-void LatticeMesh::restore_delaunay() {
-  std::vector<std::array<Index, 2>> stack;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      if (triangles[t].n[k] > static_cast<Index>(t)) stack.push_back({static_cast<Index>(t), k});
-    }
-  }
+void LatticeMesh::restore_delaunay(std::vector<std::array<Index, 2>> stack) {
   while (!stack.empty()) {
     const auto [t, k] = stack.back();
     stack.pop_back();
     const Index o = triangles[t].n[k];
-    if (o == none) continue;
+    if (o < 0) continue;
     const auto& v = triangles[t].v;
     const Index d = triangles[o].v[side_to(triangles[o], t)];
     if (!in_circle(points[v[0]], points[v[1]], points[v[2]], points[d])) continue;
@@ -284,7 +277,15 @@ void LatticeMesh::cut_out(const std::vector<LatticePoint>& border, const std::ve
   inside.reserve(edges.size());
   for (const auto& [u, v] : edges) inside.push_back(find_edge(vertex[u], vertex[v]));
   keep_inside(inside);
-  if (enforced) restore_delaunay();
+  if (enforced) {
+    std::vector<std::array<Index, 2>> all;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (triangles[t].n[k] > static_cast<Index>(t)) all.push_back({static_cast<Index>(t), k});
+      }
+    }
+    restore_delaunay(std::move(all));
+  }
   triangle_of_ = {};
 }
 

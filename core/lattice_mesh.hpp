@@ -24,7 +24,7 @@ inline std::int64_t area2(LatticePoint a, LatticePoint b, LatticePoint c) {
 
 struct LatticeTriangle {
   std::array<Index, 3> v;  // counter-clockwise
-  std::array<Index, 3> n;  // n[k]: the triangle across the edge opposite v[k], or none
+  std::array<Index, 3> n;  // n[k]: the triangle across the edge opposite v[k]; negative: the mesh ends there
 };
 
 /// A border edge; the domain lies to its left.
@@ -47,6 +47,10 @@ class LatticeMesh {
   /// one triangle around p; all changed triangles lie around p and have it as v[0].
   Index insert(LatticePoint p, Index t);
 
+  /// Lawson's flips from the edges opposite corner k of t, for each {t, k}: where these are the only ones that may not
+  /// be Delaunay, no edge is that may be turned.
+  void restore_delaunay(std::vector<std::array<Index, 2>> edges);
+
   /// Calls visit(triangle) for all triangles around v[0] of t, which must be v[0] of all of them.
   template <class Visit>
   void around(Index t, Visit visit) const {
@@ -54,9 +58,9 @@ class LatticeMesh {
     do {
       visit(s);
       s = triangles[s].n[1];
-    } while (s != none && s != t);
+    } while (s >= 0 && s != t);
     if (s == t) return;
-    for (s = triangles[t].n[2]; s != none; s = triangles[s].n[2]) visit(s);
+    for (s = triangles[t].n[2]; s >= 0; s = triangles[s].n[2]) visit(s);
   }
 
  private:
@@ -64,7 +68,6 @@ class LatticeMesh {
   void replace_neighbour(Index t, Index old, Index now);
   void flip(Index t, int k);
   void legalize();
-  void restore_delaunay();
 
   Index locate_or_insert(LatticePoint p, Index& hint);
   void index_vertices();

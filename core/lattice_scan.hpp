@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 
 #include "core/lattice_mesh.hpp"
 
-// Walking over the samples that a lattice triangle covers, and finding the one furthest from a plane.
+// Walking over the samples that a lattice triangle covers, and finding the largest of their errors.
 namespace terrane {
 
 /// An upward lattice edge, followed row by row; exact.
@@ -88,37 +90,49 @@ inline void for_each_row(const std::array<LatticePoint, 3>& p, const std::array<
   }
 }
 
-/// max |z[k] - (base + slope * k)| for k < n. Sums and products are the same in every lane and at every n, so that the
-/// result is the same on every machine.
+/// The largest error over rows of samples, and the first row that has it. Errors come in lanes, each a sample's own, so
+/// that the outcome is the same on every machine.
 template <class T>
-inline T worst_in_row(const T* z, T base, T slope, std::int32_t n) {
-  constexpr int lanes = 16 / sizeof(T);
+class Furthest {
+ public:
+  static constexpr int lanes = 16 / sizeof(T);
+  using Integer = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
   typedef T Lanes __attribute__((vector_size(16)));
-  T worst = 0;
-  std::int32_t k = 0;
-  if (n >= 2 * lanes) {
-    Lanes place, high = {}, low = {};
-    for (int l = 0; l < lanes; ++l) place[l] = static_cast<T>(l);
-    for (; k + lanes <= n; k += lanes) {
-      Lanes sample;
-      std::memcpy(&sample, z + k, sizeof sample);
-      const Lanes error = sample - (base + slope * place);
-      high = error > high ? error : high;
-      low = error < low ? error : low;
-      place += static_cast<T>(lanes);
-    }
-    for (int l = 0; l < lanes; ++l) worst = std::max(worst, std::max(high[l], -low[l]));
-  }
-  for (; k < n; ++k) worst = std::max(worst, std::fabs(z[k] - (base + slope * static_cast<T>(k))));
-  return worst;
-}
+  typedef Integer Mask __attribute__((vector_size(16)));
 
-/// The k at which worst_in_row found its result.
-template <class T>
-inline std::int32_t place_in_row(const T* z, T base, T slope, T worst) {
-  std::int32_t k = 0;
-  while (!(std::fabs(z[k] - (base + slope * static_cast<T>(k))) >= worst)) ++k;
-  return k;
-}
+  static Lanes load(const T* from) {
+    Lanes lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+  }
+  static Lanes absolute(Lanes x) {
+    return std::bit_cast<Lanes>(std::bit_cast<Mask>(x) & std::numeric_limits<Integer>::max());
+  }
+
+  /// Rows must come in ascending order.
+  void add(Lanes error, Mask counts, Integer row) {
+    const Mask larger = (error > error_) & counts;
+    error_ = larger ? error : error_;
+    row_ = larger ? Mask{} + row : row_;
+  }
+
+  T error() const {
+    T worst = 0;
+    for (int l = 0; l < lanes; ++l) worst = std::max(worst, error_[l]);
+    return worst;
+  }
+  std::int32_t row() const {
+    const T worst = error();
+    Integer row = std::numeric_limits<Integer>::max();
+    for (int l = 0; l < lanes; ++l) {
+      if (error_[l] == worst) row = std::min(row, row_[l]);
+    }
+    return static_cast<std::int32_t>(row);
+  }
+
+ private:
+  Lanes error_{};
+  Mask row_{};
+};
 
 }  // namespace terrane

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/thin_line.hpp"
+
 namespace terrane {
 
 namespace {
@@ -97,43 +99,11 @@ class BorderFinder {
     }
   }
 
-  /// Calls keep(k) for the samples of a line of n + 1, without its ends, that hold the others within the tolerance.
-  template <class Height, class Keep>
-  void thin(int n, Height height, Keep keep) const {
-    if (tolerance_ < 0) return;
-    std::vector<std::array<int, 2>> spans{{0, n}};
-    while (!spans.empty()) {
-      const auto [a, b] = spans.back();
-      spans.pop_back();
-      const double za = height(a), rise = height(b) - za, slope = rise / (b - a);
-      int worst = -1;
-      double largest = tolerance_ - 1e-9 * std::fabs(rise);  // room for what the doubles of the places will round
-      for (int k = a + 1; k < b; ++k) {
-        const double error = std::fabs(height(k) - (za + slope * (k - a)));
-        if (error > largest) {
-          largest = error;
-          worst = k;
-        }
-      }
-      if (worst < 0) continue;
-      keep(worst);
-      spans.push_back({a, worst});
-      spans.push_back({worst, b});
-    }
-  }
-
   void keep_outermost() {
     const auto line = [&](int length, auto place) {
-      for (int a = 0; a < length;) {
-        int b = a;
-        while (b + 1 < length && exists(place(b + 1)[0], place(b + 1)[1])) ++b;
-        if (exists(place(a)[0], place(a)[1]) && b > a) {
-          thin(
-              b - a, [&](int k) { return z(place(a + k)[0], place(a + k)[1]); },
-              [&](int k) { state(place(a + k)[0], place(a + k)[1]) |= kept_bit; });
-        }
-        a = b + 1;
-      }
+      thin_runs(
+          length, [&](int k) { return z(place(k)[0], place(k)[1]); }, tolerance_,
+          [&](int k) { state(place(k)[0], place(k)[1]) |= kept_bit; });
     };
     for (const int y : {0, height_ - 1}) line(width_, [y](int k) { return std::array{k, y}; });
     for (const int x : {0, width_ - 1}) line(height_, [x](int k) { return std::array{x, k}; });
@@ -143,8 +113,8 @@ class BorderFinder {
   void emit(int x, int y, bool along_row, int n, bool forward) {
     const auto place = [&](int k) { return along_row ? std::array{x + k, y} : std::array{x, y + k}; };
     std::vector<int> kept{0, n};
-    thin(
-        n, [&](int k) { return z(place(k)[0], place(k)[1]); }, [&](int k) { kept.push_back(k); });
+    thin_line(
+        n, [&](int k) { return z(place(k)[0], place(k)[1]); }, tolerance_, [&](int k) { kept.push_back(k); });
     std::sort(kept.begin(), kept.end());
     for (std::size_t i = 0; i + 1 < kept.size(); ++i) {
       const auto p = place(kept[i]), q = place(kept[i + 1]);

@@ -6,22 +6,20 @@
 
 #include "io/format.hpp"
 
-// What the subcommands of terrane-bench share. Each times one thing in memory
-// and prints one line of JSON.
+// What the subcommands of terrane-bench share. Each times one thing in memory and prints one line of JSON.
 namespace terrane::bench {
 
 /// Words of a subcommand: files, and `--name value` or `--name` for options.
 class Words {
  public:
-  Words(int argc, char **argv) : words_(argv, argv + argc) {}
+  Words(int argc, char** argv) : words_(argv, argv + argc) {}
 
-  /// The value of an option, which is taken out; `otherwise` when it was not
-  /// given. Throws Error{usage} where it is no number.
-  double number(const std::string &name, double otherwise);
-  bool flag(const std::string &name);
-  /// What is left. Throws Error{usage} with `usage` unless these are `count`
-  /// files.
-  std::vector<std::string> files(std::size_t count, const std::string &usage) const;
+  /// The value of an option, which is taken out; `otherwise` when it was not given. Throws Error{usage} where it is no
+  /// number.
+  double number(const std::string& name, double otherwise);
+  bool flag(const std::string& name);
+  /// What is left. Throws Error{usage} with `usage` unless these are `count` files.
+  std::vector<std::string> files(std::size_t count, const std::string& usage) const;
 
  private:
   std::vector<std::string> words_;
@@ -30,9 +28,9 @@ class Words {
 double now();
 double median(std::vector<double> values);
 
-Dataset read(const std::string &path);
-Tin read_tin(const std::string &path);
-Raster read_raster(const std::string &path);
+Dataset read(const std::string& path);
+Tin read_tin(const std::string& path);
+Raster read_raster(const std::string& path);
 
 int overlay(Words words);
 int triangulate(Words words);

@@ -24,13 +24,10 @@ TEST(Parallel, EveryNumberOnceInRangesThatDoNotDependOnThreads) {
       parallel_for(context, count, 7, [&](std::size_t first, std::size_t last) {
         EXPECT_EQ(first % 7, 0u);
         length[first / 7] = last - first;
-        for (std::size_t i = first; i < last; ++i)
-          ++seen[i];
+        for (std::size_t i = first; i < last; ++i) ++seen[i];
       });
-      for (const auto &times : seen)
-        EXPECT_EQ(times, 1);
-      for (std::size_t i = 0; i < length.size(); ++i)
-        EXPECT_EQ(length[i], std::min<std::size_t>(7, count - 7 * i));
+      for (const auto& times : seen) EXPECT_EQ(times, 1);
+      for (std::size_t i = 0; i < length.size(); ++i) EXPECT_EQ(length[i], std::min<std::size_t>(7, count - 7 * i));
     }
   }
 }
@@ -38,14 +35,12 @@ TEST(Parallel, EveryNumberOnceInRangesThatDoNotDependOnThreads) {
 TEST(Parallel, AsManyThreadsAsAskedForAndNoMoreThanTasks) {
   Context context;
   context.threads = 3;
-  std::latch together(3); // passes only when three threads are here at once
+  std::latch together(3);  // passes only when three threads are here at once
   parallel_tasks(context, 3, [&](std::size_t) { together.arrive_and_wait(); });
 
   context.threads = 1;
   parallel_tasks(context, 10,
-                 [caller = std::this_thread::get_id()](std::size_t) {
-                   EXPECT_EQ(std::this_thread::get_id(), caller);
-                 });
+                 [caller = std::this_thread::get_id()](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
 }
 
 TEST(Parallel, TheFirstFailureInOrderReachesTheCaller) {
@@ -57,13 +52,11 @@ TEST(Parallel, TheFirstFailureInOrderReachesTheCaller) {
       try {
         parallel_tasks(context, 100, [&](std::size_t i) {
           ++done;
-          if (i == 5)
-            std::this_thread::yield(); // let a later one fail before
-          if (i >= 5)
-            throw std::runtime_error(std::to_string(i));
+          if (i == 5) std::this_thread::yield();  // let a later one fail before
+          if (i >= 5) throw std::runtime_error(std::to_string(i));
         });
         FAIL() << "nothing was thrown";
-      } catch (const std::runtime_error &error) {
+      } catch (const std::runtime_error& error) {
         EXPECT_STREQ(error.what(), "5");
       }
     }
@@ -82,7 +75,7 @@ TEST(Parallel, StopsWhenCancelled) {
         context.cancelled = true;
       });
       FAIL() << "not cancelled";
-    } catch (const Error &error) {
+    } catch (const Error& error) {
       EXPECT_EQ(error.kind, ErrorKind::cancelled);
     }
     EXPECT_LE(done, threads);
