@@ -34,5 +34,6 @@ Raster read_raster(const std::string& path);
 
 int overlay(Words words);
 int triangulate(Words words);
+int rasterize(Words words);
 
 }  // namespace terrane::bench
