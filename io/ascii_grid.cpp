@@ -156,8 +156,8 @@ Format ascii_grid_format() {
           {".asc"},
           "application/x-esri-ascii-grid",
           "Esri ASCII grid; it holds no CRS, so give one with assume-crs.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return GridReader(without_mark(bytes), options, context).read();
+          [](Source source, const ReadOptions& options, Context& context) {
+            return GridReader(without_mark(source.rest()), options, context).read();
           },
           nullptr,
           [](std::string_view head) {

@@ -13,6 +13,7 @@
 #include "core/shade.hpp"
 #include "core/tin.hpp"
 #include "io/geodesy.hpp"
+#include "io/source.hpp"
 
 // What a format is. The list of all formats is io/formats.cpp; adding one is one file and one line there.
 namespace terrane {
@@ -35,17 +36,22 @@ struct WriteOptions {
   std::vector<std::pair<std::string, std::string>> extra;
 };
 
+/// Takes the bytes of an output, front to back; a piece is good only during the call. What it throws ends the writing.
+using Sink = std::function<void(std::string_view piece)>;
+
 struct Format {
   std::string name;                     // the word of `format` and `f`: "obj"
   std::vector<std::string> extensions;  // with dot, the first is the one we write: ".obj"
   std::string media_type;               // "model/obj"
   std::string description;              // one sentence for people
 
-  /// Decodes bytes. Bounded: never more memory than a small multiple of the bytes; throws Error{input} naming the
-  /// element. Null: we do not read this format.
-  std::function<Dataset(std::string_view bytes, const ReadOptions&, Context&)> read;
-  /// Encodes a TIN; the same bytes for the same value. Null: we do not write it.
-  std::function<std::string(const Tin&, const Crs&, const WriteOptions&, Context&)> write;
+  /// Decodes an input on the context's threads. Bounded: never more memory than a small multiple of the bytes, and for
+  /// meshes little more than the mesh beside the source's own; throws Error{input} naming the element, the same for any
+  /// number of threads. Null: we do not read this format.
+  std::function<Dataset(Source source, const ReadOptions&, Context&)> read;
+  /// Encodes a TIN, block by block, on the context's threads; the same bytes for the same value. Null: we do not write
+  /// it.
+  std::function<void(const Tin&, const Crs&, const WriteOptions&, const Sink&, Context&)> write;
   /// True when the first bytes can only be this format.
   std::function<bool(std::string_view head)> sniff;
 };
@@ -61,6 +67,10 @@ const Format* format_of_media_type(std::string_view media_type);
 const Format* format_of_file(std::string_view file_name);
 /// By content.
 const Format* format_of_bytes(std::string_view head);
+
+/// A TIN in a format that is written, as bytes in memory.
+std::string written(const Format& format, const Tin& tin, const Crs& crs, const WriteOptions& options,
+                    Context& context);
 
 /// A picture as PNG bytes.
 std::string write_png(const Picture& picture);

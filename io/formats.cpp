@@ -42,4 +42,13 @@ const Format* format_of_bytes(std::string_view head) {
   return nullptr;
 }
 
+std::string written(const Format& format, const Tin& tin, const Crs& crs, const WriteOptions& options,
+                    Context& context) {
+  std::string bytes;
+  // What a TIN takes as text; growing from nothing would take twice that for a moment.
+  bytes.reserve(256 + options.certificate_json.size() + tin.vertices.size() * 48 + tin.faces.size() * 22);
+  format.write(tin, crs, options, [&](std::string_view piece) { bytes.append(piece); }, context);
+  return bytes;
+}
+
 }  // namespace terrane

@@ -236,8 +236,8 @@ Format geotiff_format() {
           {".tif", ".tiff"},
           "image/tiff",
           "GeoTIFF or COG with heights in its first band, NoData as voids.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return TiffReader(bytes, options, context).read();
+          [](Source source, const ReadOptions& options, Context& context) {
+            return TiffReader(source.rest(), options, context).read();
           },
           nullptr,
           [](std::string_view head) {

@@ -37,7 +37,8 @@ Corner corner_of(const ReadOptions& options) {
   return {name[0] == 's' ? -latitude : latitude, name[3] == 'w' ? -longitude : longitude};
 }
 
-Dataset read_hgt(std::string_view bytes, const ReadOptions& options, Context& context) {
+Dataset read_hgt(Source source, const ReadOptions& options, Context& context) {
+  const std::string_view bytes = source.rest();
   const Corner corner = corner_of(options);
   struct Size {
     int width, height;

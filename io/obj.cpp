@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "io/bad_input.hpp"
 #include "io/format_list.hpp"
+#include "io/obj_lines.hpp"
 #include "io/polygon.hpp"
+#include "io/rows.hpp"
 #include "io/text.hpp"
 
 // Wavefront OBJ, Z up. The first line says whose file it is and that an end line follows, so that a cut is noticed.
@@ -16,8 +19,8 @@ constexpr std::string_view header = "# Terrane TIN, Z up, closed by an end line"
 
 class ObjReader {
  public:
-  ObjReader(std::string_view bytes, const ReadOptions& options, Context& context)
-      : bytes_(bytes), options_(options), context_(context) {}
+  ObjReader(Source source, const ReadOptions& options, Context& context)
+      : source_(std::move(source)), options_(options), context_(context) {}
 
   Dataset read();
 
@@ -26,6 +29,10 @@ class ObjReader {
     std::size_t first, count, line;
   };
 
+  void read_block(std::string_view block);
+  void read_piece(ObjLines& plain, const char* begin, const char* end);
+  bool append(const ObjLines& plain, const char* p, const char* end);
+  const char* read_any_line(const char* p, const char* end);
   void read_line(const char* p, const char* end);
   void read_comment(std::string_view text);
   void read_vertex(const char* p, const char* end);
@@ -37,9 +44,14 @@ class ObjReader {
     bad_input(options_, std::move(code), "line " + std::to_string(line), what);
   }
 
-  std::string_view bytes_;
+  Index largest_index() const {
+    return static_cast<Index>(std::min<std::size_t>(options_.max_vertices, std::numeric_limits<Index>::max()));
+  }
+
+  Source source_;
   const ReadOptions& options_;
   Context& context_;
+  std::vector<ObjLines> pieces_ = std::vector<ObjLines>(8);
   Dataset out_;
   Tin tin_;
   std::vector<Index> corners_;  // of the polygons, one after another
@@ -51,19 +63,65 @@ class ObjReader {
 };
 
 Dataset ObjReader::read() {
-  if (bytes_.find('\0') != std::string_view::npos) bad_input(options_, "not-obj", "", "this is no text, so no OBJ");
-  const char* p = bytes_.data();
-  const char* const end = p + bytes_.size();
-  while (p != end) {
-    const auto* newline = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
-    const char* stop = newline ? newline : end;
-    if (++line_ % 65536 == 0) context_.progress("read", static_cast<double>(p - bytes_.data()) / bytes_.size());
-    read_line(p, stop);
-    p = newline ? newline + 1 : end;
+  source_.skip_mark();
+  for (std::string_view block = source_.block("\n"); !block.empty(); block = source_.block("\n")) {
+    context_.progress("read", source_.fraction());
+    if (block.find('\0') != std::string_view::npos) bad_input(options_, "not-obj", "", "this is no text, so no OBJ");
+    read_block(block);
   }
   finish();
   out_.surface = std::move(tin_);
   return std::move(out_);
+}
+
+/// Pieces of a block are read apart as far as their lines are plain, then put together in their order.
+void ObjReader::read_block(std::string_view block) {
+  std::vector<std::string_view> texts;
+  for (std::size_t left = pieces_.size(); !block.empty(); --left) {
+    const std::size_t newline = left == 1 ? std::string_view::npos : block.find('\n', block.size() / left);
+    texts.push_back(block.substr(0, newline == std::string_view::npos ? newline : newline + 1));
+    block.remove_prefix(texts.back().size());
+  }
+  parallel_tasks(context_, texts.size(), [&](std::size_t i) {
+    pieces_[i].read(texts[i].data(), texts[i].data() + texts[i].size(), largest_index());
+  });
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    read_piece(pieces_[i], texts[i].data(), texts[i].data() + texts[i].size());
+}
+
+void ObjReader::read_piece(ObjLines& plain, const char* p, const char* end) {
+  while (append(plain, p, end)) {
+    p = plain.stop;
+    if (p == end) return;
+    p = read_any_line(p, end);
+    plain.read(p, end, largest_index());
+  }
+  while (p != end) p = read_any_line(p, end);
+}
+
+/// False where there are too many vertices: reading them one by one makes the complaint.
+bool ObjReader::append(const ObjLines& plain, const char* p, const char* end) {
+  if (plain.vertices.size() > options_.max_vertices - tin_.vertices.size()) return false;
+  const std::size_t left = source_.left() + static_cast<std::size_t>(end - plain.stop);
+  make_room(tin_.vertices, plain.vertices.size(), static_cast<std::size_t>(plain.stop - p), left);
+  make_room(tin_.faces, plain.faces.size(), static_cast<std::size_t>(plain.stop - p), left);
+  tin_.vertices.insert(tin_.vertices.end(), plain.vertices.begin(), plain.vertices.end());
+  tin_.faces.insert(tin_.faces.end(), plain.faces.begin(), plain.faces.end());
+  if (plain.furthest > furthest_) {
+    furthest_ = plain.furthest;
+    furthest_line_ = line_ + plain.furthest_line;
+  }
+  faces_ += plain.faces.size();
+  line_ += plain.lines;
+  return true;
+}
+
+/// One line by the book; where the next begins.
+const char* ObjReader::read_any_line(const char* p, const char* end) {
+  const auto* newline = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
+  ++line_;
+  read_line(p, newline ? newline : end);
+  return newline ? newline + 1 : end;
 }
 
 void ObjReader::read_line(const char* p, const char* end) {
@@ -127,8 +185,7 @@ Index ObjReader::corner(const char*& p, const char* end) {
   if (error == std::errc::invalid_argument || (next != end && !is_blank(*next) && *next != '/'))
     bad("bad-number", "face " + std::to_string(faces_ + 1) + " needs whole numbers as vertex indices", line_);
   const auto count = static_cast<long long>(tin_.vertices.size());
-  const bool fits = error == std::errc() && index != 0 && index >= -count &&
-                    index <= static_cast<long long>(std::min<std::size_t>(options_.max_vertices, 0x7fffffff));
+  const bool fits = error == std::errc() && index != 0 && index >= -count && index <= largest_index();
   if (!fits)
     bad("index-out-of-range",
         "face " + std::to_string(faces_ + 1) + " uses a vertex that does not exist; indices run from 1 to " +
@@ -179,41 +236,34 @@ void ObjReader::finish() {
   }
 }
 
-std::string write_obj(const Tin& tin, const Crs& crs, const WriteOptions& options, Context& context) {
-  std::string out;
-  out.reserve(256 + tin.vertices.size() * 48 + tin.faces.size() * 22);
-  out.append(header).append("\n");
-  if (crs.known()) out.append("# crs: ").append(one_line(crs.id())).append("\n");
+void write_obj(const Tin& tin, const Crs& crs, const WriteOptions& options, const Sink& sink, Context& context) {
+  std::string text(header);
+  text += '\n';
+  if (crs.known()) text.append("# crs: ").append(one_line(crs.id())).append("\n");
   for (const auto& [key, value] : options.extra)
-    out.append("# ").append(one_line(key)).append(": ").append(one_line(value)).append("\n");
-  std::size_t lines = 0;
-  for (const Point& p : tin.vertices) {
-    if (++lines % 65536 == 0)
-      context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
-    out += "v ";
-    append_number(out, p.x);
-    out += ' ';
-    append_number(out, p.y);
-    out += ' ';
-    append_number(out, p.z);
-    out += '\n';
-  }
-  for (const Face& face : tin.faces) {
-    if (++lines % 65536 == 0)
-      context.progress("write", static_cast<double>(lines) / (tin.vertices.size() + tin.faces.size()));
-    out += 'f';
-    for (Index v : face) {
-      out += ' ';
-      append_number(out, static_cast<long long>(v) + 1);
+    text.append("# ").append(one_line(key)).append(": ").append(one_line(value)).append("\n");
+  sink(text);
+  RowWriter rows(sink, tin.vertices.size() + tin.faces.size(), context);
+  rows.write(tin.vertices.size(), 3 * (number_size + 1) + 2, [&](char* to, std::size_t i) {
+    const Point& p = tin.vertices[i];
+    *to++ = 'v';
+    for (double value : {p.x, p.y, p.z}) {
+      *to++ = ' ';
+      to = put_number(to, value);
     }
-    out += '\n';
-  }
-  out += "# end v=";
-  append_number(out, tin.vertices.size());
-  out += " f=";
-  append_number(out, tin.faces.size());
-  out += '\n';
-  return out;
+    *to++ = '\n';
+    return to;
+  });
+  rows.write(tin.faces.size(), 3 * (number_size + 1) + 2, [&](char* to, std::size_t i) {
+    *to++ = 'f';
+    for (Index v : tin.faces[i]) {
+      *to++ = ' ';
+      to = put_number(to, std::uint32_t{1} + static_cast<std::uint32_t>(v));
+    }
+    *to++ = '\n';
+    return to;
+  });
+  sink("# end v=" + std::to_string(tin.vertices.size()) + " f=" + std::to_string(tin.faces.size()) + "\n");
 }
 
 /// Comments fit many text formats; the first statement decides.
@@ -243,8 +293,8 @@ Format obj_format() {
           {".obj"},
           "model/obj",
           "Wavefront OBJ, Z up, with full double precision and the CRS in a comment.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return ObjReader(without_mark(bytes), options, context).read();
+          [](Source source, const ReadOptions& options, Context& context) {
+            return ObjReader(std::move(source), options, context).read();
           },
           write_obj,
           sniff_obj};

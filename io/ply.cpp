@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "io/bad_input.hpp"
 #include "io/format_list.hpp"
+#include "io/ply_body.hpp"
 #include "io/ply_header.hpp"
 #include "io/polygon.hpp"
+#include "io/rows.hpp"
 #include "io/text.hpp"
 
 // PLY: ASCII and both binary orders in, binary little-endian doubles out.
@@ -15,75 +18,18 @@ namespace terrane {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are copied as they lie in memory");
+static_assert(sizeof(Point) == 3 * sizeof(double), "a vertex is x, y and z and nothing else");
 
-/// Values of the body one after another, whatever the encoding. Null pointers into the bytes never leave this class.
-class Body {
- public:
-  Body(std::string_view bytes, PlyHeader::Encoding encoding)
-      : p_(bytes.data()), end_(p_ + bytes.size()), encoding_(encoding) {}
+constexpr std::size_t face_row = 1 + sizeof(Face);  // three, and the corners
 
-  std::size_t left() const { return static_cast<std::size_t>(end_ - p_); }
-  PlyHeader::Encoding encoding() const { return encoding_; }
-
-  /// False at the end of the bytes or where there is no finite number.
-  bool read(PlyScalar type, double& value) {
-    if (encoding_ == PlyHeader::ascii) return read_text(value);
-    if (left() < ply_size(type)) return false;
-    switch (type) {
-      case PlyScalar::i8: value = binary<std::int8_t>(); break;
-      case PlyScalar::u8: value = binary<std::uint8_t>(); break;
-      case PlyScalar::i16: value = binary<std::int16_t>(); break;
-      case PlyScalar::u16: value = binary<std::uint16_t>(); break;
-      case PlyScalar::i32: value = binary<std::int32_t>(); break;
-      case PlyScalar::u32: value = binary<std::uint32_t>(); break;
-      case PlyScalar::f32: value = std::bit_cast<float>(binary<std::uint32_t>()); break;
-      case PlyScalar::f64: value = std::bit_cast<double>(binary<std::uint64_t>()); break;
-    }
-    return std::isfinite(value);
-  }
-
-  bool skip(std::size_t bytes) {
-    if (left() < bytes) return false;
-    p_ += bytes;
-    return true;
-  }
-
-  bool skip_word() {
-    p_ = skip_spaces(p_, end_);
-    if (p_ == end_) return false;
-    while (p_ != end_ && !is_space(*p_)) ++p_;
-    return true;
-  }
-
- private:
-  bool read_text(double& value) {
-    p_ = skip_spaces(p_, end_);
-    const char* after = p_ == end_ ? nullptr : parse_number(p_, end_, value);
-    if (!after || (after != end_ && !is_space(*after))) return false;
-    p_ = after;
-    return true;
-  }
-
-  template <class T>
-  T binary() {
-    unsigned char raw[sizeof(T)];
-    std::memcpy(raw, p_, sizeof(T));
-    p_ += sizeof(T);
-    if (encoding_ == PlyHeader::big) std::reverse(raw, raw + sizeof(T));
-    T value;
-    std::memcpy(&value, raw, sizeof(T));
-    return value;
-  }
-
-  const char *p_, *end_;
-  PlyHeader::Encoding encoding_;
-};
+/// Rows to take at a time where they are copied: what was touched is still in the cache when it is looked at.
+constexpr std::size_t batch = 16384;
 
 class PlyReader {
  public:
-  PlyReader(std::string_view bytes, const ReadOptions& options, Context& context)
-      : header_(read_ply_header(bytes, options)),
-        body_(bytes.substr(header_.size), header_.encoding),
+  PlyReader(Source source, const ReadOptions& options, Context& context)
+      : header_(read_ply_header(source, options)),
+        body_(std::move(source), header_.encoding),
         options_(options),
         context_(context) {}
 
@@ -119,8 +65,9 @@ class PlyReader {
     std::size_t first, count, face;
   };
 
-  [[noreturn]] void bad_row(const std::string& place) {
-    if (body_.encoding() != PlyHeader::ascii && body_.left() < 8)
+  [[noreturn]] void bad_row(const std::string& place) { bad_row(place, body_.left() < 8); }
+  [[noreturn]] void bad_row(const std::string& place, bool at_end) {
+    if (body_.encoding() != PlyHeader::ascii && at_end)
       bad_input(options_, "truncated", place, "the file ends here; send it again");
     bad_input(options_, "bad-number", place, "no finite number, or the file ends here");
   }
@@ -150,6 +97,53 @@ class PlyReader {
     }
   }
 
+  /// Rows as we write them are copied instead of taken apart.
+  bool is_ours(const PlyElement& element) const {
+    if (header_.encoding != PlyHeader::little) return false;
+    const auto& properties = element.properties;
+    if (element.name == "face")
+      return properties.size() == 1 && properties[0].list && ply_size(properties[0].count_type) == 1 &&
+             properties[0].type == PlyScalar::i32;
+    return properties.size() == 3 && std::equal(properties.begin(), properties.end(), "xyz", [](const auto& p, char axis) {
+             return p.name[0] == axis && p.type == PlyScalar::f64;
+           });
+  }
+
+  void copy_vertices(std::size_t count) {
+    for (std::size_t row = 0; row < count; row += batch) {
+      context_.progress("read", body_.fraction());
+      tin_.vertices.resize(std::min(count, row + batch));
+      const std::span<Point> rows = std::span(tin_.vertices).subspan(row);
+      const std::size_t there = body_.copy(reinterpret_cast<char*>(rows.data()), rows.size_bytes()) / sizeof(Point);
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        const Point& p = rows[k];
+        if (k == there || !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+          bad_row("vertex " + std::to_string(row + k), k == there);
+      }
+    }
+  }
+
+  /// Triangles up to the first row that is none or is wrong; how many there were.
+  std::size_t copy_faces(std::size_t count) {
+    for (std::size_t row = 0; row < count;) {
+      context_.progress("read", body_.fraction());
+      const std::string_view seen = body_.peek(std::min(count - row, batch) * face_row);
+      const std::size_t rows = std::min({count - row, batch, seen.size() / face_row});
+      tin_.faces.resize(row + rows);
+      std::size_t good = 0;
+      for (const char* p = seen.data(); good < rows && *p == 3; ++good, p += face_row) {
+        Face& face = tin_.faces[row + good];
+        std::memcpy(face.data(), p + 1, sizeof(Face));
+        if (std::ranges::any_of(face, [](Index v) { return v < 0 || v == std::numeric_limits<Index>::max(); })) break;
+        check_indices(face, row + good);
+      }
+      body_.skip(good * face_row);
+      tin_.faces.resize(row += good);
+      if (good < rows || rows == 0) return row;
+    }
+    return count;
+  }
+
   void read_vertices(const PlyElement& element) {
     check_count(options_, element.count, options_.max_vertices, "vertices");
     std::vector<int> axis;  // of each property, or -1
@@ -165,6 +159,7 @@ class PlyReader {
     }
     if (found != 7) bad_input(options_, "bad-header", "", "a vertex needs the properties x, y and z");
     tin_.vertices.reserve(element.count);
+    if (is_ours(element)) return copy_vertices(element.count);
     for (std::size_t row = 0; row < element.count; ++row) {
       if (row % 65536 == 65535)
         context_.progress("read", static_cast<double>(row) / static_cast<double>(element.count) / 2);
@@ -187,7 +182,7 @@ class PlyReader {
     if (list == element.properties.size() && element.count != 0)
       bad_input(options_, "bad-header", "", "a face needs the list property vertex_indices");
     tin_.faces.reserve(element.count);
-    for (std::size_t row = 0; row < element.count; ++row) {
+    for (std::size_t row = is_ours(element) ? copy_faces(element.count) : 0; row < element.count; ++row) {
       if (row % 65536 == 65535)
         context_.progress("read", 0.5 + static_cast<double>(row) / static_cast<double>(element.count) / 2);
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -250,7 +245,7 @@ class PlyReader {
   }
 
   PlyHeader header_;
-  Body body_;
+  PlyBody body_;
   const ReadOptions& options_;
   Context& context_;
   Tin tin_;
@@ -260,33 +255,24 @@ class PlyReader {
   std::size_t furthest_face_ = 0;
 };
 
-template <class T>
-void append_raw(std::string& out, T value) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, &value, sizeof(T));
-  out.append(raw, sizeof(T));
-}
-
-std::string write_ply(const Tin& tin, const Crs& crs, const WriteOptions& options, Context& context) {
-  std::string out = "ply\nformat binary_little_endian 1.0\n";
-  out.reserve(4096 + tin.vertices.size() * 24 + tin.faces.size() * 13);
-  if (crs.known()) out.append("comment crs: ").append(one_line(crs.id())).append("\n");
+void write_ply(const Tin& tin, const Crs& crs, const WriteOptions& options, const Sink& sink, Context& context) {
+  std::string head = "ply\nformat binary_little_endian 1.0\n";
+  if (crs.known()) head.append("comment crs: ").append(one_line(crs.id())).append("\n");
   for (const auto& [key, value] : options.extra)
-    out.append("comment ").append(one_line(key)).append(": ").append(one_line(value)).append("\n");
-  out.append("element vertex ").append(std::to_string(tin.vertices.size()));
-  out.append("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
-  out.append(std::to_string(tin.faces.size())).append("\nproperty list uchar int vertex_indices\nend_header\n");
+    head.append("comment ").append(one_line(key)).append(": ").append(one_line(value)).append("\n");
+  head.append("element vertex ").append(std::to_string(tin.vertices.size()));
+  head.append("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
+  head.append(std::to_string(tin.faces.size())).append("\nproperty list uchar int vertex_indices\nend_header\n");
+  sink(head);
   context.progress("write", 0);
-  for (const Point& p : tin.vertices) {
-    append_raw(out, p.x);
-    append_raw(out, p.y);
-    append_raw(out, p.z);
-  }
-  for (const Face& face : tin.faces) {
-    out += '\3';
-    append_raw(out, face);
-  }
-  return out;
+  const std::span<const std::byte> vertices = std::as_bytes(std::span(tin.vertices));
+  if (!vertices.empty()) sink({reinterpret_cast<const char*>(vertices.data()), vertices.size()});
+  RowWriter rows(sink, tin.faces.size(), context);
+  rows.write(tin.faces.size(), face_row, [&](char* to, std::size_t i) {
+    *to = 3;
+    std::memcpy(to + 1, tin.faces[i].data(), sizeof(Face));
+    return to + face_row;
+  });
 }
 
 }  // namespace
@@ -296,8 +282,9 @@ Format ply_format() {
           {".ply"},
           "model/ply",
           "PLY, binary little-endian doubles (ASCII, big-endian and floats are read), CRS in a comment.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return PlyReader(without_mark(bytes), options, context).read();
+          [](Source source, const ReadOptions& options, Context& context) {
+            source.skip_mark();
+            return PlyReader(std::move(source), options, context).read();
           },
           write_ply,
           [](std::string_view head) { return head.starts_with("ply\n") || head.starts_with("ply\r\n"); }};

@@ -14,7 +14,7 @@ constexpr std::size_t max_elements = 64, max_properties = 256;
 
 class HeaderReader {
  public:
-  HeaderReader(std::string_view bytes, const ReadOptions& options) : bytes_(bytes), options_(options) {}
+  HeaderReader(Source& source, const ReadOptions& options) : source_(source), options_(options) {}
 
   PlyHeader read() {
     if (next_line() != "ply") bad_input(options_, "wrong-magic", "line 1", "a PLY file begins with the line ply");
@@ -36,7 +36,6 @@ class HeaderReader {
         bad("no statement of a PLY header");
     }
     if (!format) bad("the format line is missing");
-    header_.size = at_;
     check_counts();
     return std::move(header_);
   }
@@ -48,12 +47,20 @@ class HeaderReader {
 
   std::string_view next_line() {
     ++line_;
-    const std::size_t newline = bytes_.find('\n', at_);
+    // The header is short: should a line of it be long, then look for its end in ever more.
+    std::string_view bytes = source_.peek(4096);
+    std::size_t newline = bytes.find('\n');
+    while (newline == std::string_view::npos && bytes.size() < source_.left()) {
+      const std::size_t before = bytes.size();
+      bytes = source_.peek(2 * before);
+      if (bytes.size() == before) break;
+      newline = bytes.find('\n', before);
+    }
     if (newline == std::string_view::npos)
       bad_input(options_, line_ == 1 ? "wrong-magic" : "truncated", "line " + std::to_string(line_),
                 line_ == 1 ? "no PLY header" : "the PLY header has no end; send the file again");
-    std::string_view line = bytes_.substr(at_, newline - at_);
-    at_ = newline + 1;
+    std::string_view line = bytes.substr(0, newline);
+    source_.take(newline + 1);
     if (line.ends_with('\r')) line.remove_suffix(1);
     while (line.ends_with(' ')) line.remove_suffix(1);
     return line;
@@ -130,22 +137,23 @@ class HeaderReader {
 
   void check_counts() const {
     // The last row of an ASCII file may lack its newline, so one byte more than there is may be asked for.
-    std::size_t left = bytes_.size() - at_ + 1;
+    std::size_t left = source_.left() + 1;
     for (const PlyElement& element : header_.elements) {
       const std::size_t row = element.least_row(header_.encoding == PlyHeader::ascii);
       if (row == 0) continue;
       if (element.count > left / row)
         bad_input(options_, "truncated", "",
                   "the header announces " + std::to_string(element.count) + " rows of one element, more than the " +
-                      std::to_string(bytes_.size() - at_) + " bytes after it can hold; send the file again");
+                      std::to_string(source_.left()) + " bytes after it can hold; send the file again");
       left -= element.count * row;
     }
   }
 
-  std::string_view bytes_, rest_;
+  Source& source_;
+  std::string_view rest_;
   const ReadOptions& options_;
   PlyHeader header_;
-  std::size_t at_ = 0, line_ = 0;
+  std::size_t line_ = 0;
 };
 
 }  // namespace
@@ -171,8 +179,8 @@ std::size_t PlyElement::least_row(bool ascii) const {
   return bytes;
 }
 
-PlyHeader read_ply_header(std::string_view bytes, const ReadOptions& options) {
-  return HeaderReader(bytes, options).read();
+PlyHeader read_ply_header(Source& source, const ReadOptions& options) {
+  return HeaderReader(source, options).read();
 }
 
 }  // namespace terrane

@@ -33,10 +33,9 @@ struct PlyHeader {
   enum Encoding { ascii, little, big } encoding = ascii;
   std::vector<PlyElement> elements;
   std::string crs;       // of "comment crs:", empty without
-  std::size_t size = 0;  // bytes up to the body
 };
 
-/// Parses the header, with every count checked against the bytes that follow.
-PlyHeader read_ply_header(std::string_view bytes, const ReadOptions& options);
+/// Takes the header, with every count checked against the bytes that follow.
+PlyHeader read_ply_header(Source& source, const ReadOptions& options);
 
 }  // namespace terrane

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+#include <utility>
+
 #include "io/bad_input.hpp"
 #include "io/format_list.hpp"
+#include "io/json_rows.hpp"
+#include "io/rows.hpp"
 #include "io/text.hpp"
 
 // Terrane JSON: one object with type, crs, vertices, triangles. Read in one pass without a document tree.
@@ -12,8 +17,8 @@ constexpr int max_depth = 64;
 
 class JsonReader {
  public:
-  JsonReader(std::string_view bytes, const ReadOptions& options, Context& context)
-      : begin_(bytes.data()), p_(bytes.data()), end_(p_ + bytes.size()), options_(options), context_(context) {}
+  JsonReader(Source source, const ReadOptions& options, Context& context)
+      : source_(std::move(source)), options_(options), context_(context) {}
 
   Dataset read();
 
@@ -30,9 +35,26 @@ class JsonReader {
   void check_indices() const;
   template <class Element>
   void read_array(Element&& element);
+  template <class Row>
+  void read_rows(std::vector<Row>& list, std::vector<JsonRows<Row>>& pieces, std::size_t most);
+  template <class Row>
+  void append(std::vector<Row>& list, const JsonRows<Row>& rows);
 
+  /// Another block when this one is read; numbers and words are never torn. False at the end of the input.
+  bool more() {
+    if (p_ != end_) return true;
+    if (kept_) kept_->append(kept_from_, end_);
+    const std::string_view block = source_.block(" \t\r\n,]}");
+    p_ = kept_from_ = block.data();
+    end_ = p_ + block.size();
+    fresh_ = true;
+    return !block.empty();
+  }
+  void skip_all_spaces() {
+    while (more() && (p_ = skip_spaces(p_, end_)) == end_) continue;
+  }
   char next() {
-    p_ = skip_spaces(p_, end_);
+    skip_all_spaces();
     if (p_ == end_) bad("truncated", "the text ends in the middle; send the file again");
     return *p_;
   }
@@ -46,10 +68,16 @@ class JsonReader {
   }
   [[noreturn]] void bad(std::string code, const std::string& what) const {
     std::string place = element_.empty() ? "" : element_ + ", ";
-    bad_input(options_, std::move(code), place + "byte " + std::to_string(p_ - begin_), what);
+    bad_input(options_, std::move(code), place + "byte " + std::to_string(source_.position() - static_cast<std::size_t>(end_ - p_)), what);
   }
 
-  const char *begin_, *p_, *end_;
+  Source source_;
+  const char *p_ = nullptr, *end_ = nullptr;  // of the block
+  bool fresh_ = false;                        // no rows of the block were read yet
+  std::string* kept_ = nullptr;               // where the text from kept_from_ on is kept when the block ends
+  const char* kept_from_ = nullptr;
+  std::vector<JsonRows<Point>> vertex_rows_ = std::vector<JsonRows<Point>>(8);
+  std::vector<JsonRows<Face>> face_rows_ = std::vector<JsonRows<Face>>(8);
   const ReadOptions& options_;
   Context& context_;
   std::string element_;  // "vertex 17" while reading it goes wrong
@@ -59,8 +87,8 @@ class JsonReader {
 };
 
 Dataset JsonReader::read() {
-  if (std::string_view(p_, static_cast<std::size_t>(end_ - p_)).starts_with("\xef\xbb\xbf")) p_ += 3;
-  p_ = skip_spaces(p_, end_);
+  source_.skip_mark();
+  skip_all_spaces();
   if (p_ == end_ || *p_ != '{') bad("bad-json", "Terrane JSON is one object in braces");
   ++p_;
   if (next() == '}') {
@@ -77,7 +105,7 @@ Dataset JsonReader::read() {
       if (c != ',') bad("bad-json", "a comma or a closing brace is missing");
     }
   }
-  p_ = skip_spaces(p_, end_);
+  skip_all_spaces();
   if (p_ != end_) bad("bad-json", "there is text after the closing brace");
   if (!type_) bad("not-terrane-json", "the member \"type\":\"TIN\" is missing");
   if (!vertices_ || !triangles_) bad("not-terrane-json", "a TIN needs the members vertices and triangles");
@@ -119,10 +147,36 @@ void JsonReader::read_array(Element&& element) {
   }
 }
 
+/// As many rows as are plain: those of a fresh block in pieces, which count as long as each is read to its end; then
+/// from where that stopped, so that no row is read more than twice.
+template <class Row>
+void JsonReader::read_rows(std::vector<Row>& list, std::vector<JsonRows<Row>>& pieces, std::size_t most) {
+  if (!more()) return;
+  if (std::exchange(fresh_, false)) {
+    context_.progress("read", source_.fraction());
+    std::vector<const char*> cuts = {p_};
+    for (std::size_t left = pieces.size(); left > 0; --left)
+      cuts.push_back(left == 1 ? end_ : end_of_row(cuts.back() + (end_ - cuts.back()) / left, end_));
+    parallel_tasks(context_, pieces.size(), [&](std::size_t i) { pieces[i].read(cuts[i], cuts[i + 1], most); });
+    for (std::size_t i = 0; i < pieces.size() && p_ == cuts[i]; ++i)
+      if (pieces[i].rows.size() <= most - list.size()) append(list, pieces[i]);
+  }
+  pieces.front().read(p_, end_, most - list.size());
+  append(list, pieces.front());
+}
+
+template <class Row>
+void JsonReader::append(std::vector<Row>& list, const JsonRows<Row>& rows) {
+  const std::size_t to_come = source_.left() + static_cast<std::size_t>(end_ - rows.stop);
+  make_room(list, rows.rows.size(), static_cast<std::size_t>(rows.stop - p_), to_come);
+  list.insert(list.end(), rows.rows.begin(), rows.rows.end());
+  p_ = rows.stop;
+}
+
 void JsonReader::read_vertices() {
   read_array([&] {
+    read_rows(tin_.vertices, vertex_rows_, options_.max_vertices);
     const std::size_t count = tin_.vertices.size();
-    if (count % 65536 == 0) context_.progress("read", static_cast<double>(p_ - begin_) / (end_ - begin_));
     check_count(options_, count + 1, options_.max_vertices, "vertices");
     double xyz[3];
     for (int k = 0; k < 3; ++k) {
@@ -150,8 +204,8 @@ void JsonReader::read_vertices() {
 
 void JsonReader::read_triangles() {
   read_array([&] {
+    read_rows(tin_.faces, face_rows_, std::numeric_limits<std::size_t>::max());
     const std::size_t count = tin_.faces.size();
-    if (count % 65536 == 0) context_.progress("read", static_cast<double>(p_ - begin_) / (end_ - begin_));
     Face face;
     for (int k = 0; k < 4; ++k) {
       bool good = next() == "[,,]"[k];
@@ -181,9 +235,12 @@ void JsonReader::read_crs() {
     const std::string text = read_string();
     if (!text.empty()) crs_ = declared_crs(text, options_, context_);
   } else if (c == '{') {  // PROJJSON
-    const char* first = p_;
+    std::string text;
+    kept_ = &text;
+    kept_from_ = p_;
     skip_value(1);
-    crs_ = declared_crs(std::string_view(first, static_cast<std::size_t>(p_ - first)), options_, context_);
+    kept_ = nullptr;
+    crs_ = declared_crs(text.append(kept_from_, p_), options_, context_);
   } else {
     skip_word("null");
   }
@@ -193,7 +250,7 @@ std::string JsonReader::read_string() {
   expect('"', "a string is expected");
   std::string out;
   while (true) {
-    if (p_ == end_) bad("truncated", "the text ends inside a string; send the file again");
+    if (!more()) bad("truncated", "the text ends inside a string; send the file again");
     const char c = *p_++;
     if (c == '"') return out;
     if (static_cast<unsigned char>(c) < ' ') bad("bad-json", "a control character inside a string");
@@ -206,8 +263,9 @@ std::string JsonReader::read_string() {
 
 unsigned JsonReader::read_hex4() {
   unsigned code = 0;
-  if (end_ - p_ < 4) bad("truncated", "the text ends inside a string; send the file again");
-  const auto [after, error] = std::from_chars(p_, p_ + 4, code, 16);
+  const auto there = std::min<std::ptrdiff_t>(end_ - p_, 4);
+  if (there < 4 && source_.left() == 0) bad("truncated", "the text ends inside a string; send the file again");
+  const auto [after, error] = std::from_chars(p_, p_ + there, code, 16);
   if (error != std::errc() || after != p_ + 4) bad("bad-json", "\\u needs four hexadecimal digits");
   p_ += 4;
   return code;
@@ -311,49 +369,41 @@ void append_json_string(std::string& out, std::string_view text) {
   out += '"';
 }
 
-std::string write_json(const Tin& tin, const Crs& crs, const WriteOptions& options, Context& context) {
-  std::string out;
-  out.reserve(256 + options.certificate_json.size() + tin.vertices.size() * 48 + tin.faces.size() * 22);
-  out += "{\"type\":\"TIN\",\"crs\":";
+constexpr std::size_t row_size = 3 * (number_size + 1) + 3;
+
+char* put_row(char* to, std::size_t i, auto a, auto b, auto c) {
+  if (i != 0) *to++ = ',';
+  *to++ = '\n';
+  *to++ = '[';
+  to = put_number(to, a);
+  *to++ = ',';
+  to = put_number(to, b);
+  *to++ = ',';
+  to = put_number(to, c);
+  *to++ = ']';
+  return to;
+}
+
+void write_json(const Tin& tin, const Crs& crs, const WriteOptions& options, const Sink& sink, Context& context) {
+  std::string head = "{\"type\":\"TIN\",\"crs\":";
   if (crs.known())
-    append_json_string(out, crs.id());
+    append_json_string(head, crs.id());
   else
-    out += "null";
-  out += ",\"vertices\":[";
-  std::size_t count = 0;
-  const auto next_row = [&] {
-    if (count % 65536 == 65535)
-      context.progress("write", static_cast<double>(count) / (tin.vertices.size() + tin.faces.size()));
-    ++count;
-    out += '\n';
-  };
-  for (const Point& p : tin.vertices) {
-    if (&p != tin.vertices.data()) out += ',';
-    next_row();
-    out += '[';
-    append_number(out, p.x);
-    out += ',';
-    append_number(out, p.y);
-    out += ',';
-    append_number(out, p.z);
-    out += ']';
-  }
-  out += "],\"triangles\":[";
-  for (const Face& f : tin.faces) {
-    if (&f != tin.faces.data()) out += ',';
-    next_row();
-    out += '[';
-    append_number(out, f[0]);
-    out += ',';
-    append_number(out, f[1]);
-    out += ',';
-    append_number(out, f[2]);
-    out += ']';
-  }
-  out += ']';
-  if (!options.certificate_json.empty()) out.append(",\"certificate\":").append(options.certificate_json);
-  out += "}\n";
-  return out;
+    head += "null";
+  sink(head + ",\"vertices\":[");
+  RowWriter rows(sink, tin.vertices.size() + tin.faces.size(), context);
+  rows.write(tin.vertices.size(), row_size, [&](char* to, std::size_t i) {
+    const Point& p = tin.vertices[i];
+    return put_row(to, i, p.x, p.y, p.z);
+  });
+  sink("],\"triangles\":[");
+  rows.write(tin.faces.size(), row_size, [&](char* to, std::size_t i) {
+    const Face& f = tin.faces[i];
+    return put_row(to, i, f[0], f[1], f[2]);
+  });
+  sink("]");
+  if (!options.certificate_json.empty()) sink(",\"certificate\":" + options.certificate_json);
+  sink("}\n");
 }
 
 bool sniff_json(std::string_view head) {
@@ -370,8 +420,8 @@ Format json_format() {
           {".json"},
           "application/json",
           "Terrane JSON: vertices, triangles, CRS and certificate in one document, exact on the round trip.",
-          [](std::string_view bytes, const ReadOptions& options, Context& context) {
-            return JsonReader(bytes, options, context).read();
+          [](Source source, const ReadOptions& options, Context& context) {
+            return JsonReader(std::move(source), options, context).read();
           },
           write_json,
           sniff_json};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <concepts>
@@ -8,18 +9,18 @@
 #include <string>
 #include <string_view>
 
+#include "core/tin.hpp"
+
 // Numbers and blanks of text formats. Numbers are exact on the round trip: shortest to_chars out, from_chars in.
 namespace terrane {
 
-inline void append_number(std::string& out, double value) {
-  char buffer[32];
-  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-}
+inline constexpr std::size_t number_size = 24;  // no double and no integer takes more characters
 
-inline void append_number(std::string& out, std::integral auto value) {
-  char buffer[24];
-  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-}
+/// Puts a number where number_size characters fit; where it ends.
+inline char* put_number(char* to, double value) { return std::to_chars(to, to + number_size, value).ptr; }
+inline char* put_number(char* to, std::integral auto value) { return std::to_chars(to, to + number_size, value).ptr; }
+
+inline char* put_text(char* to, std::string_view text) { return std::copy(text.begin(), text.end(), to); }
 
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 inline bool is_space(char c) { return is_blank(c) || c == '\n' || c == '\v' || c == '\f'; }
@@ -66,6 +67,18 @@ inline const char* parse_number(const char* p, const char* end, double& value) {
     return std::isfinite(value) ? next : nullptr;
   }
   return error == std::errc() && std::isfinite(value) ? next : nullptr;
+}
+
+/// Parses a vertex index, decimal digits alone, of at most `most`; nullptr when there is none.
+inline const char* parse_index(const char* p, const char* end, Index most, Index& value) {
+  const char* const first = p;
+  std::int64_t sum = 0;
+  for (; p != end && static_cast<unsigned char>(*p - '0') < 10; ++p) {
+    sum = sum * 10 + (*p - '0');
+    if (sum > most) return nullptr;
+  }
+  value = static_cast<Index>(sum);
+  return p == first ? nullptr : p;
 }
 
 /// Text for one line of a comment: whatever would end it becomes a blank.

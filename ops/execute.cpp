@@ -89,7 +89,7 @@ std::string encode(const Plan& plan, const Frame& frame, const Tin& tin, const n
   const Format* format = format_named(plan.output_format);
   WriteOptions options;
   options.certificate_json = embedded(report).dump();
-  return format->write(tin, frame.crs, options, context);
+  return written(*format, tin, frame.crs, options, context);
 }
 
 std::string extension_of(const std::string& word) {

@@ -25,7 +25,7 @@ void check_tin(const Tin& tin, const Crs& crs, const Format& format) {
   for (const Face& face : tin.faces)
     for (Index v : face) require(v >= 0 && static_cast<std::size_t>(v) < tin.vertices.size(), "indices in range");
   Context context;
-  const std::string bytes = format.write(tin, crs, {}, context);
+  const std::string bytes = written(format, tin, crs, {}, context);
   const Dataset again = format.read(bytes, {.name = "again"}, context);
   require(std::get<Tin>(again.surface) == tin, "the same mesh after a round trip");
   require(again.crs.id() == crs.id(), "the same CRS after a round trip");

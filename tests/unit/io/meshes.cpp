@@ -9,7 +9,7 @@ class Meshes : public testing::TestWithParam<const char*> {
  protected:
   std::string written(const Tin& tin, const Crs& crs = {}, const WriteOptions& options = {}) {
     Context context;
-    return format_named(GetParam())->write(tin, crs, options, context);
+    return terrane::written(*format_named(GetParam()), tin, crs, options, context);
   }
 };
 
@@ -79,16 +79,16 @@ INSTANTIATE_TEST_SUITE_P(Formats, Meshes, testing::Values("obj", "json", "ply"),
 
 TEST(Json, CarriesTheCertificate) {
   Context context;
-  const std::string text = format_named("json")->write(
-      awkward_tin(), {}, {.certificate_json = R"({"type":"Certificate","a":[1,{"b":null}]})", .extra = {}}, context);
+  const std::string text = written(
+      *format_named("json"), awkward_tin(), {}, {.certificate_json = R"({"type":"Certificate","a":[1,{"b":null}]})", .extra = {}}, context);
   EXPECT_NE(text.find(R"("certificate":{"type":"Certificate","a":[1,{"b":null}]}})"), std::string::npos);
   expect_same_bits(read_tin("json", text), awkward_tin());
 }
 
 TEST(Obj, CarriesFurtherCommentsOnOneLine) {
   Context context;
-  const std::string text = format_named("obj")->write(
-      awkward_tin(), {}, {.certificate_json = "", .extra = {{"software", "terrane\nv 1 2 3"}}}, context);
+  const std::string text = written(
+      *format_named("obj"), awkward_tin(), {}, {.certificate_json = "", .extra = {{"software", "terrane\nv 1 2 3"}}}, context);
   EXPECT_NE(text.find("# software: terrane v 1 2 3\n"), std::string::npos);
   expect_same_bits(read_tin("obj", text), awkward_tin());
 }

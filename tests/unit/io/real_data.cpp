@@ -115,7 +115,7 @@ TEST(RealData, APlyFromOutside) {
   EXPECT_EQ(tin.vertices[0], (Point{416155, 381556, 309.78}));
   Context context;
   for (const char* format : {"obj", "json", "ply"})
-    expect_same_bits(read_tin(format, format_named(format)->write(tin, Crs::parse("local:m"), {}, context)), tin);
+    expect_same_bits(read_tin(format, written(*format_named(format), tin, Crs::parse("local:m"), {}, context)), tin);
 }
 
 }  // namespace
