@@ -50,13 +50,13 @@ class RowWriter {
 };
 
 /// Room for `more` items that were read from `bytes` bytes, and where the list must grow, for as many again as the bytes
-/// still to come would hold: lists need not move, and pages that are never written cost nothing.
+/// still to come would hold, and a quarter more: lists need not move, and pages that are never written cost nothing.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t more, std::size_t bytes, std::size_t bytes_to_come) {
   const std::size_t needed = list.size() + more;
   if (needed <= list.capacity()) return;
-  const double expected = 1.02 * static_cast<double>(more) * static_cast<double>(bytes_to_come) / static_cast<double>(bytes);
-  list.reserve(needed + static_cast<std::size_t>(expected));
+  const double items_per_byte = static_cast<double>(more) / static_cast<double>(bytes);
+  list.reserve(needed + static_cast<std::size_t>(1.25 * items_per_byte * static_cast<double>(bytes_to_come)));
 }
 
 }  // namespace terrane

@@ -36,6 +36,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+std::size_t status_bytes(const char* key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(key)) return std::strtoull(line.c_str() + std::string(key).size(), nullptr, 10) * 1024;
+  return 0;
+}
+
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
 Dataset read(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream bytes;

@@ -28,10 +28,15 @@ class Words {
 double now();
 double median(std::vector<double> values);
 
+/// Of this process, by its name in /proc: "VmRSS:" is resident memory now, "VmHWM:" its peak since reset_peak().
+std::size_t status_bytes(const char* key);
+void reset_peak();
+
 Dataset read(const std::string& path);
 Tin read_tin(const std::string& path);
 Raster read_raster(const std::string& path);
 
+int files(Words words);
 int overlay(Words words);
 int triangulate(Words words);
 int rasterize(Words words);

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 
 #include "core/error.hpp"
 #include "core/overlay.hpp"
@@ -16,15 +14,6 @@
 namespace terrane::bench {
 
 namespace {
-
-/// Resident memory now, and its peak since reset_peak().
-std::size_t status_bytes(const char* key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.rfind(key, 0) == 0) return std::strtoull(line.c_str() + std::string(key).size() + 1, nullptr, 10) * 1024;
-  return 0;
-}
-void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 struct Usage {
   double cpu_seconds;

@@ -13,7 +13,10 @@ using namespace terrane;
 
 int run(int argc, char** argv) {
   static const std::map<std::string, int (*)(bench::Words)> subcommands{
-      {"overlay", bench::overlay}, {"rasterize", bench::rasterize}, {"triangulate", bench::triangulate}};
+      {"files", bench::files},
+      {"overlay", bench::overlay},
+      {"rasterize", bench::rasterize},
+      {"triangulate", bench::triangulate}};
   const auto it = subcommands.find(argc > 1 ? argv[1] : "");
   if (it != subcommands.end()) return it->second({argc - 2, argv + 2});
   std::string names;
