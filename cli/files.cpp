@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "core/error.hpp"
@@ -41,13 +42,27 @@ class Descriptor {
   int fd_;
 };
 
-void write_all(int fd, std::string_view bytes, const std::string& path) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail_to_store("cannot write", path);
-    bytes.remove_prefix(static_cast<std::size_t>(n));
+int open_input(const std::string& path) {
+  const int fd = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) fail(ErrorKind::input, "not-readable", "cannot read", path);
+  return fd;
+}
+
+/// 0 at the end.
+std::size_t read_some(int fd, char* to, std::size_t size, const std::string& path) {
+  for (;;) {
+    const ssize_t n = ::read(fd, to, size);
+    if (n >= 0) return static_cast<std::size_t>(n);
+    if (errno != EINTR) fail(ErrorKind::input, "not-readable", "cannot read", path);
   }
+}
+
+InputStream open_stream(const std::string& path) {
+  const auto file = std::make_shared<Descriptor>(open_input(path));
+  struct stat facts {};
+  if (::fstat(file->get(), &facts) != 0) fail(ErrorKind::input, "not-readable", "cannot read", path);
+  return {[file, path](char* to, std::size_t size) { return read_some(file->get(), to, size, path); },
+          static_cast<std::size_t>(facts.st_size)};
 }
 
 std::string folder_of(const std::string& path) {
@@ -73,21 +88,18 @@ void put_in_place(const std::string& temporary, const std::string& path, bool fo
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-std::string read_file(const std::string& path) {
-  const Descriptor file(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) fail(ErrorKind::input, "not-readable", "cannot read", path);
+void read_file(const std::string& path, InputPart& part) {
+  const Descriptor file(open_input(path));
   struct stat facts {};
-  std::string bytes;
-  if (::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode))
-    bytes.reserve(static_cast<std::size_t>(facts.st_size) + 1);
-  std::vector<char> block(1 << 20);
-  for (;;) {
-    const ssize_t n = ::read(file.get(), block.data(), block.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(ErrorKind::input, "not-readable", "cannot read", path);
-    if (n == 0) return bytes;
-    bytes.append(block.data(), static_cast<std::size_t>(n));
-  }
+  const bool regular = ::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode);
+  std::vector<char> block(1 << 16);
+  const bool large = regular && static_cast<std::size_t>(facts.st_size) > block.size();
+  if (large) part.open = [path] { return open_stream(path); };
+  do {
+    const std::size_t count = read_some(file.get(), block.data(), block.size(), path);
+    if (count == 0) return;
+    part.bytes.append(block.data(), count);
+  } while (!large);
 }
 
 void refuse_existing(const std::string& path, bool force) {
@@ -98,33 +110,45 @@ void refuse_existing(const std::string& path, bool force) {
     throw Error(ErrorKind::usage, "output-exists", "'" + path + "' exists; say --force to replace it");
 }
 
-void store_file(const std::string& path, std::string_view bytes, bool force) {
+void OutputFile::open() {
   struct stat facts {};
-  const bool exists = path != "-" && ::stat(path.c_str(), &facts) == 0;
-  if (path == "-" || (exists && !S_ISREG(facts.st_mode))) {
-    const Descriptor out(path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    if (out.get() < 0) fail_to_store("cannot write", path);
-    write_all(out.get(), bytes, path);
-    return;
+  const bool exists = path_ != "-" && ::stat(path_.c_str(), &facts) == 0;
+  if (path_ == "-") {
+    fd_ = STDOUT_FILENO;
+  } else if (exists && !S_ISREG(facts.st_mode)) {
+    fd_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    std::string name = folder_of(path_) + "/." + file_name(path_) + ".XXXXXX";
+    fd_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd_ >= 0) temporary_ = name;
   }
-  std::string temporary = folder_of(path) + "/." + file_name(path) + ".XXXXXX";
-  {
-    const Descriptor out(::mkostemp(temporary.data(), O_CLOEXEC));
-    if (out.get() < 0) fail_to_store("cannot write", path);
-    try {
-      const mode_t mask = ::umask(0);
-      ::umask(mask);
-      write_all(out.get(), bytes, path);
-      if (::fchmod(out.get(), 0666 & ~mask) != 0 || ::fsync(out.get()) != 0)
-        fail_to_store("cannot write", path);
-    } catch (...) {
-      ::unlink(temporary.c_str());
-      throw;
-    }
+  if (fd_ < 0) fail_to_store("cannot write", path_);
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (fd_ < 0) open();
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail_to_store("cannot write", path_);
+    bytes.remove_prefix(static_cast<std::size_t>(n));
   }
-  put_in_place(temporary, path, force);
-  const Descriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+}
+
+void OutputFile::keep() {
+  if (fd_ < 0) open();
+  if (temporary_.empty()) return;
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(fd_, 0666 & ~mask) != 0 || ::fsync(fd_) != 0) fail_to_store("cannot write", path_);
+  put_in_place(std::exchange(temporary_, {}), path_, force_);
+  const Descriptor folder(::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() >= 0) ::fsync(folder.get());
+}
+
+OutputFile::~OutputFile() {
+  if (fd_ > STDERR_FILENO) ::close(fd_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
 bool is_same_place(const std::string& a, const std::string& b) {

@@ -18,7 +18,7 @@ namespace {
 using namespace terrane;
 
 int print(const std::string& text) {
-  store_file("-", text, false);
+  OutputFile("-", false).write(text);
   return 0;
 }
 

@@ -48,7 +48,7 @@ void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
     }
     if (path == "-" && std::exchange(stream_taken, true))
       throw Error(ErrorKind::usage, "surplus-input", "standard input ('-') can be one input only");
-    part.bytes = read_file(path);
+    read_file(path, part);
     part.name = path == "-" ? "" : file_name(path);
   }
 }
@@ -85,11 +85,18 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   Context context;
   context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   context.on_progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); };
-  const Response response = execute(made, context);
+  OutputFile file(output, line.force);
+  const Response response = execute(made, context, [&](std::string_view piece) {
+    progress.clear();
+    file.write(piece);
+  });
   progress.clear();
   if (!line.quiet) print_warnings(response.warnings);
-  store_file(output, response.body, line.force);
-  if (!line.report.empty()) store_file(line.report, response.report.dump(2) + "\n", line.force);
+  file.keep();
+  if (line.report.empty()) return;
+  OutputFile report(line.report, line.force);
+  report.write(response.report.dump(2) + "\n");
+  report.keep();
 }
 
 }  // namespace terrane

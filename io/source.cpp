@@ -8,17 +8,11 @@
 
 namespace terrane {
 
-namespace {
-
-// Large enough that a block is worth two threads, small enough that it stays in the cache it was read into.
-constexpr std::size_t block_size = 4 << 20;
-
-}  // namespace
-
 Source::Source(std::string_view whole, Whole)
     : size_(whole.size()), begin_(whole.data()), end_(whole.data() + whole.size()) {}
 
-Source::Source(Fill fill, std::size_t size) : fill_(std::move(fill)), size_(size) {}
+Source::Source(Fill fill, std::size_t size, std::size_t block)
+    : fill_(std::move(fill)), size_(size), block_(std::max<std::size_t>(1, block)) {}
 
 /// Bytes that are not in the buffer yet; a file that ends early ends the input.
 std::size_t Source::fill(char* to, std::size_t count) {
@@ -35,7 +29,7 @@ std::string_view Source::peek(std::size_t least) {
   const std::string_view kept = seen();
   least = std::min(least, left());
   if (kept.size() >= least || !fill_) return kept;
-  const std::size_t needed = std::min(std::max(least, block_size), left());
+  const std::size_t needed = std::min(std::max(least, block_), left());
   if (needed > capacity_) {
     auto larger = std::make_unique_for_overwrite<char[]>(needed);
     if (!kept.empty()) std::memcpy(larger.get(), kept.data(), kept.size());
@@ -55,7 +49,7 @@ void Source::take(std::size_t count) {
 }
 
 std::string_view Source::block(std::string_view stops) {
-  for (std::size_t least = block_size;; least *= 2) {
+  for (std::size_t least = block_;; least *= 2) {
     std::string_view view = peek(least).substr(0, least);
     if (view.size() < left() && !(view.size() < least)) {
       const std::size_t stop = view.find_last_of(stops);

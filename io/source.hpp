@@ -19,8 +19,9 @@ class Source {
 
   /// Bytes that are all there, and stay while they are read.
   Source(const std::convertible_to<std::string_view> auto& whole) : Source(std::string_view(whole), Whole()) {}
-  /// `size` bytes that come in pieces. Fewer is what a file cut off in the meantime holds; more are not read.
-  Source(Fill fill, std::size_t size);
+  /// `size` bytes that come in pieces, read about a block at a time. Fewer is what a file cut off in the meantime holds;
+  /// more are not read.
+  Source(Fill fill, std::size_t size, std::size_t block = default_block);
 
   std::size_t size() const { return size_; }                    // of the whole input
   std::size_t left() const { return size_ - position_; }        // not yet taken
@@ -43,6 +44,9 @@ class Source {
   void skip_mark();
 
  private:
+  // Large enough that a block is worth two threads, small enough that it stays in the cache it was read into.
+  static constexpr std::size_t default_block = 4 << 20;
+
   struct Whole {};
   Source(std::string_view whole, Whole);
   std::string_view seen() const { return {begin_, static_cast<std::size_t>(end_ - begin_)}; }
@@ -50,7 +54,7 @@ class Source {
 
   Fill fill_;  // null: nothing more to come than begin_ to end_
   std::unique_ptr<char[]> buffer_;
-  std::size_t capacity_ = 0, size_ = 0, position_ = 0;
+  std::size_t capacity_ = 0, size_ = 0, position_ = 0, block_ = default_block;
   const char *begin_ = nullptr, *end_ = nullptr;  // come and not yet taken
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -263,9 +264,9 @@ std::string JsonReader::read_string() {
 
 unsigned JsonReader::read_hex4() {
   unsigned code = 0;
-  const auto there = std::min<std::ptrdiff_t>(end_ - p_, 4);
-  if (there < 4 && source_.left() == 0) bad("truncated", "the text ends inside a string; send the file again");
-  const auto [after, error] = std::from_chars(p_, p_ + there, code, 16);
+  const std::size_t there = static_cast<std::size_t>(end_ - p_);
+  if (there + source_.left() < 4) bad("truncated", "the text ends inside a string; send the file again");
+  const auto [after, error] = std::from_chars(p_, p_ + std::min<std::size_t>(there, 4), code, 16);
   if (error != std::errc() || after != p_ + 4) bad("bad-json", "\\u needs four hexadecimal digits");
   p_ += 4;
   return code;

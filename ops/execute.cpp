@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/validate.hpp"
@@ -34,15 +35,39 @@ nlohmann::json raster_facts(const Raster& dem) {
           {"height_range", range}};
 }
 
+/// What an input holds, and the sum of its bytes, which is made while they pass when they are not held.
+Dataset read_part(const InputPart& part, const ReadOptions& options, std::string& sum, Context& context) {
+  const Format& format = input_format(part);
+  if (!part.open) {
+    sum = sha256(part.bytes);
+    return format.read(part.bytes, options, context);
+  }
+  Sha256 passed;
+  InputStream stream = part.open();
+  std::size_t left = stream.size;
+  const auto fill = [&](char* to, std::size_t size) {
+    const std::size_t count = stream.fill(to, std::min(size, left));
+    passed.add({to, count});
+    left -= count;
+    return count;
+  };
+  Dataset data = format.read(Source(fill, stream.size), options, context);
+  std::vector<char> unread(1 << 16);
+  while (left != 0 && fill(unread.data(), unread.size()) != 0) continue;
+  sum = passed.finish();
+  return data;
+}
+
 /// Errors of readers and of validation name the input by its label; a memory limit does too.
 Surface decode(const InputPart& part, const InputSlot& slot, const Operation& operation, Context& context) {
-  Surface surface{part.slot, label(part), sha256(part.bytes), 0.0, {}, nullptr, 0};
+  Surface surface{part.slot, label(part), "", 0.0, {}, nullptr, 0};
   if (const auto level = level_of(part, slot)) {
+    surface.sha256 = sha256(part.bytes);
     surface.value = level->value;
     surface.level_unit = level->unit;
     return surface;
   }
-  Dataset data = input_format(part).read(part.bytes, {.name = surface.name}, context);
+  Dataset data = read_part(part, {.name = surface.name}, surface.sha256, context);
   surface.crs = data.crs;
   if (Raster* dem = std::get_if<Raster>(&data.surface)) {
     if (operation.result == ResultKind::report) surface.source = raster_facts(*dem);
@@ -83,13 +108,16 @@ std::vector<const Tin*> tins_of(const std::vector<Surface>& surfaces) {
   return tins;
 }
 
-std::string encode(const Plan& plan, const Frame& frame, const Tin& tin, const nlohmann::json& report,
-                   Context& context) {
+void encode(const Plan& plan, const Frame& frame, const Tin& tin, const Sink& body, Response& response,
+            Context& context) {
   context.progress("write", 0);
   const Format* format = format_named(plan.output_format);
   WriteOptions options;
-  options.certificate_json = embedded(report).dump();
-  return written(*format, tin, frame.crs, options, context);
+  options.certificate_json = embedded(response.report).dump();
+  if (body)
+    format->write(tin, frame.crs, options, body, context);
+  else
+    response.body = written(*format, tin, frame.crs, options, context);
 }
 
 std::string extension_of(const std::string& word) {
@@ -136,7 +164,7 @@ void use_threads(const Plan& plan, Context& context) {
 
 }  // namespace
 
-Response execute(const Plan& plan, Context& context) {
+Response execute(const Plan& plan, Context& context, const Sink& body) {
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
@@ -153,7 +181,7 @@ Response execute(const Plan& plan, Context& context) {
     warn_of_heights(heights, *tin, context);
     name_joined(frame, outcome);
     response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
-    response.body = encode(plan, frame, *tin, response.report, context);
+    encode(plan, frame, *tin, body, response, context);
   } else if (const Picture* picture = std::get_if<Picture>(&outcome.result)) {
     response.report = report_certificate(plan, frame, context);
     response.body = write_png(*picture);
@@ -162,6 +190,7 @@ Response execute(const Plan& plan, Context& context) {
     response.report["certificate"] = report_certificate(plan, frame, context);
     response.body = plan.output_format == "csv" ? outcome.csv : response.report.dump(2) + "\n";
   }
+  if (body && !response.body.empty()) body(std::exchange(response.body, {}));
   response.warnings = context.warnings;
   context.progress("write", 1);
   return response;

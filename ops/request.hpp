@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -16,12 +17,21 @@ namespace terrane {
 
 struct Operation;
 
+/// The bytes of an input that are not held, from the first on.
+struct InputStream {
+  Source::Fill fill;
+  std::size_t size = 0;
+};
+
 /// One input as it arrived: bytes, or a number ("12.5", a level) where the operation takes one.
 struct InputPart {
   std::string slot;  // which input of the operation: "minuend", "tiles"
   std::string name;  // file name without folders, for messages and the certificate
   std::string media_type;  // as declared, or empty
   std::string bytes;
+  /// Where an input is read from when its turn comes; `bytes` are then only the first of it, for telling its format.
+  /// Null: `bytes` is all. May throw Error{input}.
+  std::function<InputStream()> open = nullptr;
 };
 
 /// A request as a door understood it; nothing is checked yet.
@@ -46,7 +56,7 @@ struct Plan {
 struct Response {
   std::string media_type;
   std::string file_name;  // "merge.obj", for Content-Disposition
-  std::string body;
+  std::string body;  // empty where the bytes went elsewhere
   nlohmann::json report;  // the certificate (or the volume report, ...); the same whatever the door
   std::vector<Warning> warnings;
 };
@@ -54,7 +64,8 @@ struct Response {
 /// Throws Error{no_such_process | usage | unsupported | not_acceptable}.
 Plan plan(Request request);
 
-/// Decodes, brings to a common frame, runs, restores the CRS, verifies, encodes. Throws Error.
-Response execute(const Plan& plan, Context& context);
+/// Decodes, brings to a common frame, runs, restores the CRS, verifies, encodes. The result's bytes go to `body` as they
+/// are made, after everything that could be complained of, or into the response where `body` is null. Throws Error.
+Response execute(const Plan& plan, Context& context, const Sink& body = nullptr);
 
 }  // namespace terrane

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "core/error.hpp"
 #include "io/format.hpp"
@@ -38,22 +40,53 @@ void check_raster(const Raster& raster) {
   for (double z : raster.samples) require(!std::isinf(z), "no infinite height");
 }
 
+/// What reading ends in: a value, or what an Error says.
+struct Ending {
+  Dataset dataset;
+  std::string complaint;
+};
+
+Ending read(const Format& format, Source source) {
+  Context context;
+  try {
+    return {format.read(std::move(source),
+                        {.name = "N44W072.hgt", .max_vertices = 1'000'000, .max_samples = 1'000'000}, context),
+            ""};
+  } catch (const Error& error) {
+    require(error.kind == ErrorKind::input || error.kind == ErrorKind::limit, error.what());
+    return {{}, error.what()};
+  }
+}
+
+/// Blocks may end anywhere, and every piece of them may be as short as a file's last.
+void check_blocks(const Format& format, std::string_view bytes, const Ending& whole) {
+  if (bytes.find('\0') != std::string_view::npos && format.name == "obj") return;  // refused where it is met
+  const std::size_t block = 1 + bytes.size() % 61;
+  std::size_t at = 0;
+  const auto fill = [&](char* to, std::size_t size) {
+    const std::size_t count = bytes.copy(to, std::min(size, 1 + at % 7), at);
+    at += count;
+    return count;
+  };
+  const Ending pieces = read(format, Source(fill, bytes.size(), block));
+  if (pieces.complaint != whole.complaint) std::fprintf(stderr, "%s\n%s\n", whole.complaint.c_str(), pieces.complaint.c_str());
+  require(pieces.complaint == whole.complaint, "the same complaint for any blocks");
+  const Tin* tin = std::get_if<Tin>(&whole.dataset.surface);
+  require(!tin || std::get<Tin>(pieces.dataset.surface) == *tin, "the same mesh for any blocks");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Format& format = *format_named(TERRANE_FUZZ_FORMAT);
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  Context context;
-  try {
-    format_of_bytes(bytes);
-    const Dataset dataset =
-        format.read(bytes, {.name = "N44W072.hgt", .max_vertices = 1'000'000, .max_samples = 1'000'000}, context);
-    if (const Tin* tin = std::get_if<Tin>(&dataset.surface))
-      check_tin(*tin, dataset.crs, format);
-    else
-      check_raster(std::get<Raster>(dataset.surface));
-  } catch (const Error& error) {
-    require(error.kind == ErrorKind::input || error.kind == ErrorKind::limit, error.what());
-  }
+  format_of_bytes(bytes);
+  const Ending whole = read(format, bytes);
+  if (format.write) check_blocks(format, bytes, whole);
+  if (!whole.complaint.empty()) return 0;
+  if (const Tin* tin = std::get_if<Tin>(&whole.dataset.surface))
+    check_tin(*tin, whole.dataset.crs, format);
+  else
+    check_raster(std::get<Raster>(whole.dataset.surface));
   return 0;
 }
