@@ -91,7 +91,8 @@ std::string file_name(const std::string& path) { return path.substr(path.rfind('
 void read_file(const std::string& path, InputPart& part) {
   const Descriptor file(open_input(path));
   struct stat facts {};
-  const bool regular = ::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode);
+  // Standard input is one place that all who open it share, a file behind it or not.
+  const bool regular = path != "-" && ::fstat(file.get(), &facts) == 0 && S_ISREG(facts.st_mode);
   std::vector<char> block(1 << 16);
   const bool large = regular && static_cast<std::size_t>(facts.st_size) > block.size();
   if (large) part.open = [path] { return open_stream(path); };

@@ -28,4 +28,17 @@ expect 2 convert a.obj -o c.obj --format obj -f ply
 expect 2 convert a.obj -o missing/c.obj
 [ ! -e c.obj ] || { echo "a refused command left c.obj"; failed=1; }
 [ ! -c /dev/full ] || expect 4 convert a.obj --format obj -o /dev/full
+
+# A file that is not held whole is read alike by its name, as standard input and through a pipe, and may be replaced.
+for ((i = 1; i <= 4000; i++)); do printf 'v %d %d %d\nv %d %d %d\n' $i 0 $((i % 7)) $i 1 $((i % 5)); done > large.obj
+for ((i = 1; i < 8000; i += 2)); do printf 'f %d %d %d\nf %d %d %d\n' $i $((i + 2)) $((i + 3)) $i $((i + 3)) $((i + 1)); done |
+  head -n 7998 >> large.obj
+"$terrane" convert large.obj -o named.ply 2> err || { cat err; failed=1; }
+"$terrane" convert - -o - --format ply < large.obj > redirected.ply 2> err || { cat err; failed=1; }
+cat large.obj | "$terrane" convert - -o piped.ply 2> err || { cat err; failed=1; }
+cmp named.ply redirected.ply && cmp named.ply piped.ply || failed=1
+expect 0 convert large.obj -o large.obj --force
+expect 0 convert large.obj -o again.ply
+cmp named.ply again.ply || failed=1
+[ -z "$(find . -name '.*.obj.*' -o -name '.*.ply.*')" ] || { echo "temporary files are left"; failed=1; }
 exit $failed
