@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "core/parallel.hpp"
 #include "core/volume.hpp"
 #include "ops/heights.hpp"
 #include "ops/measure.hpp"
@@ -56,42 +58,52 @@ bool next_subset(std::vector<bool>& out, const std::vector<bool>& may) {
   return false;
 }
 
+/// One vertex of the result, with its inputs near a border taken to be there or not, as fits better.
+void check_height(const Point& p, const std::vector<std::unique_ptr<HeightField>>& fields, const HeightFold& fold,
+                  double radius, HeightCheck& check) {
+  std::vector<std::optional<HeightRange>> z(fields.size());
+  std::vector<bool> border(fields.size()), out(fields.size());
+  std::size_t optional_count = 0;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (const auto reading = fields[i]->at(plan(p), radius); reading.found) {
+      z[i] = reading.height;
+      border[i] = reading.border && ++optional_count <= 10;
+    }
+  double error = std::numeric_limits<double>::infinity();
+  do {
+    auto present = z;
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (out[i]) present[i].reset();
+    if (const auto expected = fold(present))
+      error = std::min(error, std::max({0.0, expected->low - p.z, p.z - expected->high}));
+  } while (next_subset(out, border));
+  if (std::isinf(error)) return;  // outside every input by rounding: nothing to compare with
+  check.max_error = std::max(check.max_error, error);
+  ++check.points;
+}
+
 }  // namespace
 
 HeightCheck check_heights(const Tin& result, const std::vector<const Tin*>& inputs, const HeightFold& fold,
                           const RoundingReport& rounding, Context& context) {
-  HeightCheck check;
-  if (!fold || result.vertices.empty()) return check;
-  std::vector<HeightField> fields;
-  for (const Tin* tin : inputs) fields.emplace_back(*tin);
+  if (!fold || result.vertices.empty()) return {};
+  context.progress("verify", 0);
+  std::vector<std::unique_ptr<HeightField>> fields(inputs.size());
+  parallel_tasks(context, inputs.size(), [&](std::size_t i) { fields[i] = std::make_unique<HeightField>(*inputs[i]); });
   const Box box = bounds(result);
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double radius = 2 * (rounding.max_move + rounding.max_snap) + 4 * 2.3e-16 * largest;
-  const std::size_t step = std::max<std::size_t>(1, result.vertices.size() / 5000);
-  for (std::size_t v = 0; v < result.vertices.size(); v += step) {
-    context.progress("verify", static_cast<double>(v) / result.vertices.size());
-    const Point& p = result.vertices[v];
-    std::vector<std::optional<HeightRange>> z(inputs.size());
-    std::vector<bool> border(inputs.size()), out(inputs.size());
-    std::size_t optional_count = 0;
-    for (std::size_t i = 0; i < fields.size(); ++i)
-      if (const auto reading = fields[i].at(plan(p), radius); reading.found) {
-        z[i] = reading.height;
-        border[i] = reading.border && ++optional_count <= 10;
-      }
-    double error = std::numeric_limits<double>::infinity();
-    do {
-      auto present = z;
-      for (std::size_t i = 0; i < out.size(); ++i)
-        if (out[i]) present[i].reset();
-      if (const auto expected = fold(present))
-        error = std::min(error, std::max({0.0, expected->low - p.z, p.z - expected->high}));
-    } while (next_subset(out, border));
-    if (std::isinf(error)) continue;  // outside every input by rounding: nothing to compare with
-    check.max_error = std::max(check.max_error, error);
-    ++check.points;
+  const std::size_t step = std::max<std::size_t>(1, result.vertices.size() / 5000), chunk = 512 * step;
+  std::vector<HeightCheck> checks(result.vertices.size() / chunk + 1);
+  parallel_for(context, result.vertices.size(), chunk, [&](std::size_t first, std::size_t last) {
+    for (std::size_t v = first; v < last; v += step) check_height(result.vertices[v], fields, fold, radius, checks[first / chunk]);
+  });
+  HeightCheck all;
+  for (const HeightCheck& check : checks) {
+    all.points += check.points;
+    all.max_error = std::max(all.max_error, check.max_error);
   }
-  return check;
+  return all;
 }
 
 nlohmann::json warnings_json(const std::vector<Warning>& warnings) {

@@ -39,7 +39,11 @@ std::pair<double, double> strip_range(const std::array<Point2, 3>& t, double ylo
 }  // namespace
 
 HeightField::HeightField(const Tin& tin) : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
-  for (Index h : plan_topology(tin).border) border_[h] = true;
+  const PlanTopology topology = plan_topology(tin);
+  for (Index h : topology.border) {
+    border_[h] = true;
+    border_edges_.push_back({plan(tin.vertices[topology.from(tin, h)]), plan(tin.vertices[topology.to(tin, h)])});
+  }
   const double width = std::max(box_.xmax - box_.xmin, 0.0), height = std::max(box_.ymax - box_.ymin, 0.0);
   const double side = std::sqrt(std::max(width * height, 1e-300) / std::max<std::size_t>(tin.faces.size() / 2, 1));
   columns_ = cells_along(width, side);
@@ -53,7 +57,15 @@ HeightField::HeightField(const Tin& tin) : tin_(tin), border_(3 * tin.faces.size
       std::array<Point2, 3> t;
       for (int k = 0; k < 3; ++k) t[k] = plan(tin.vertices[tin.faces[f][k]]);
       const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
-      for (int r = cell_of(low, box_.ymin, cell_y_, rows_); r <= cell_of(high, box_.ymin, cell_y_, rows_); ++r) {
+      const int bottom = cell_of(low, box_.ymin, cell_y_, rows_), top = cell_of(high, box_.ymin, cell_y_, rows_);
+      if (bottom == top) {  // most faces where they are many: no strip cuts them
+        const auto [xlow, xhigh] = std::minmax({t[0].x, t[1].x, t[2].x});
+        const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
+        for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_); c <= last; ++c)
+          visit(static_cast<std::size_t>(bottom) * columns_ + c, static_cast<Index>(f));
+        continue;
+      }
+      for (int r = bottom; r <= top; ++r) {
         const double margin = 1e-9 * cell_y_, base = box_.ymin + r * cell_y_;
         const auto [xlow, xhigh] = strip_range(t, base - margin, base + cell_y_ + margin);
         if (!(xlow <= xhigh)) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,9 @@ class HeightField {
   /// Heights at a place, or within `radius` of it. Walls are looked through.
   Reading at(Point2 place, double radius) const;
 
+  /// The edges of the domain's border, the domain on the left.
+  const std::vector<std::array<Point2, 2>>& border() const { return border_edges_; }
+
   /// The height of the nearest face among those near the place: for places a straight edge leaves outside.
   std::optional<double> nearest(Point2 place) const;
 
@@ -37,6 +41,7 @@ class HeightField {
 
   const Tin& tin_;
   std::vector<bool> border_;  // per half-edge 3 * face + corner
+  std::vector<std::array<Point2, 2>> border_edges_;
   Box box_{};
   int columns_ = 1, rows_ = 1;
   double cell_x_ = 1, cell_y_ = 1;

@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
-#include "core/topology.hpp"
 #include "ops/heights.hpp"
 
 namespace terrane {
@@ -44,9 +44,7 @@ bool apart(const Box& a, const Box& b) {
 
 Tile tile_of(const Tin& tin) {
   Tile tile{bounds(tin), {}, std::make_unique<HeightField>(tin)};
-  const PlanTopology topology = plan_topology(tin);
-  for (Index h : topology.border)
-    tile.edges.push_back({plan(tin.vertices[topology.from(tin, h)]), plan(tin.vertices[topology.to(tin, h)])});
+  for (const auto& [p, q] : tile.field->border()) tile.edges.push_back({p, q});
   return tile;
 }
 
@@ -200,10 +198,12 @@ std::optional<double> by_slabs(const std::vector<Tile>& tiles, Context& context)
 }  // namespace
 
 std::optional<double> union_area(const std::vector<const Tin*>& tins, Context& context) {
-  std::vector<Tile> tiles;
+  std::vector<const Tin*> some;
   for (const Tin* tin : tins)
-    if (!tin->faces.empty()) tiles.push_back(tile_of(*tin));
-  if (tiles.empty()) return 0;
+    if (!tin->faces.empty()) some.push_back(tin);
+  if (some.empty()) return 0;
+  std::vector<Tile> tiles(some.size());
+  parallel_tasks(context, some.size(), [&](std::size_t i) { tiles[i] = tile_of(*some[i]); });
   double extent = 0, largest = 0;
   for (const Tile& t : tiles) {
     extent = std::max({extent, t.box.xmax - t.box.xmin, t.box.ymax - t.box.ymin});
