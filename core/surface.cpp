@@ -7,6 +7,7 @@
 #include "core/corner_heights.hpp"
 #include "core/edge_cuts.hpp"
 #include "core/error.hpp"
+#include "core/single_valued.hpp"
 #include "core/walls.hpp"
 
 namespace terrane {
@@ -127,6 +128,11 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
   // new one, which the next round finds. Two rounds are common, three rare.
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
+    if (const auto tin = single_valued(surface)) {
+      result.tin = canonical(*tin);
+      context.progress("assemble", 1);
+      return result;
+    }
     const CornersByPlace places = corners_by_place(surface.faces, surface.points.size());
     result.max_closed_jump = std::max(result.max_closed_jump, close_jumps(surface, places, assembly.z_tolerance));
     mesh = PlanarMesh{surface.points, surface.faces, {}, {}};
