@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "support/exact.hpp"
 #include "support/height_judge.hpp"
@@ -190,29 +191,54 @@ class Judge {
 
 }  // namespace
 
-Tin as_snapped(const Tin& a, const Tin& b, const Overlay& overlay) {
-  if (overlay.rounding.snapped == 0) return b;
+namespace {
+
+/// B with each missing vertex on a vertex of A within max_snap that no vertex of B lies on: the nearest, or with a
+/// higher rank one behind it.
+Tin snapped_to(std::size_t rank, const Tin& a, const Tin& b, const Overlay& overlay) {
   const std::set<Place> there = places_of(overlay.points);
+  std::set<Place> taken = places_of(plan_mesh(b).points);
+  std::map<Place, Place> target;
   const PlanMesh mesh = plan_mesh(a);
   Tin moved = b;
   for (Point& p : moved.vertices) {
-    if (there.contains({p.x, p.y})) continue;
-    const auto nearest = std::min_element(mesh.points.begin(), mesh.points.end(), [&](Point2 s, Point2 t) {
-      return std::hypot(s.x - p.x, s.y - p.y) < std::hypot(t.x - p.x, t.y - p.y);
-    });
-    if (nearest == mesh.points.end() ||
-        std::hypot(nearest->x - p.x, nearest->y - p.y) > overlay.rounding.max_snap * (1 + 1e-15))
-      continue;
-    p.x = nearest->x, p.y = nearest->y;
+    const Place from{p.x, p.y};
+    if (there.contains(from)) continue;
+    if (!target.contains(from)) {
+      std::vector<std::pair<double, Place>> near;
+      for (const Point2 q : mesh.points)
+        if (const double d = std::hypot(q.x - p.x, q.y - p.y);
+            d <= overlay.rounding.max_snap * (1 + 1e-15) && !taken.contains(key(q)))
+          near.emplace_back(d, key(q));
+      if (near.empty()) continue;
+      std::sort(near.begin(), near.end());
+      target[from] = near[std::min(rank, near.size() - 1)].second;
+      taken.insert(target[from]);
+    }
+    std::tie(p.x, p.y) = target[from];
   }
   return moved;
+}
+
+}  // namespace
+
+Tin as_snapped(const Tin& a, const Tin& b, const Overlay& overlay) {
+  return overlay.rounding.snapped == 0 ? b : snapped_to(0, a, b, overlay);
 }
 
 std::string broken_promises(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay) {
   const std::string wrong = wrong_in_plan(overlay.points, overlay.faces);
   if (!wrong.empty()) return wrong;
-  const Tin snapped = as_snapped(a, b, overlay);
-  return Judge(a, snapped, options, overlay).judged() + wrong_cover(a, snapped, options.refinement, overlay);
+  // Which of several vertices within max_snap a vertex was snapped to is not reported: one of them must explain all.
+  std::string first;
+  for (std::size_t rank = 0; rank < (overlay.rounding.snapped == 0 ? 1 : 3); ++rank) {
+    const Tin seen = overlay.rounding.snapped == 0 ? b : snapped_to(rank, a, b, overlay);
+    const std::string broken =
+        Judge(a, seen, options, overlay).judged() + wrong_cover(a, seen, options.refinement, overlay);
+    if (broken.empty()) return {};
+    if (rank == 0) first = broken;
+  }
+  return first;
 }
 
 }  // namespace terrane::support
