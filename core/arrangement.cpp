@@ -125,10 +125,9 @@ class Builder {
     offset[0].vertices = out_.first_crossing;
     for (std::size_t r = 0; r < ranges; ++r) {
       const Walked& w = walked[r];
-      offset[r + 1] = {offset[r].edges + static_cast<Index>(w.first.size()),
-                       offset[r].nodes + static_cast<Index>(w.nodes.size()),
-                       offset[r].vertices + static_cast<Index>(w.node_of_crossing.size()),
-                       offset[r].crossings + w.along_b.size()};
+      offset[r + 1] = {
+          offset[r].edges + static_cast<Index>(w.first.size()), offset[r].nodes + static_cast<Index>(w.nodes.size()),
+          offset[r].vertices + static_cast<Index>(w.node_of_crossing.size()), offset[r].crossings + w.along_b.size()};
       if (offset[r + 1].crossings > most) throw too_many_crossings(most);
       out_.max_move = std::max(out_.max_move, w.max_move);
     }
@@ -198,14 +197,14 @@ class Builder {
     }
     Array<Node>& nodes = out_.lines[1].nodes;
     nodes.resize(first[edges]);
-    keys_.resize(first[edges]);
+    keys_.resize(first[edges] - 2 * static_cast<std::size_t>(edges));
     const double* along = along_b_.data();
     for (std::size_t i = 0; i < out_.lines[0].nodes.size(); ++i) {
       const Node node = out_.lines[0].nodes[i];
       if (!node.crossing()) continue;
       const Index at = filled[node.index()]++;
       nodes[at] = Node(node.kind(), static_cast<Index>(i));
-      keys_[at] = *along++;
+      key(node.index(), at) = *along++;
     }
     along_b_ = {};
     for (Index i = 0; i < places(0); ++i)
@@ -213,13 +212,16 @@ class Builder {
         const Index h = out_.location[0][i].index, at = filled[b.edge_of(h)]++;
         const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h)), p = mesh(0).at(i);
         nodes[at] = Node(Node::junction, i);  // by its place for now
-        keys_[at] = by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y);
+        key(b.edge_of(h), at) = by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y);
       }
     parallel_for(context_, edges, chunk_for(context_, edges), [&](std::size_t begin, std::size_t end) {
       for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e));
     });
     keys_ = {};
   }
+
+  /// How far along edge e of B the node `at` of its line lies, about; ends have none.
+  double& key(Index e, Index at) { return keys_[static_cast<std::size_t>(at) - 2 * static_cast<std::size_t>(e) - 1]; }
 
   static bool by_x(Point2 o, Point2 t) { return std::fabs(t.x - o.x) >= std::fabs(t.y - o.y); }
 
@@ -238,19 +240,19 @@ class Builder {
     if (begin == end) return;
     for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order
       const Node node = nodes[i];
-      const double key = keys_[i];
+      const double own = key(e, i);
       Index j = i;
       for (; j > begin; --j) {
-        const double before = keys_[j - 1];
-        const bool less = std::fabs(key - before) > 4e-12 * std::max(key, before)
-                              ? key < before
+        const double before = key(e, j - 1);
+        const bool less = std::fabs(own - before) > 4e-12 * std::max(own, before)
+                              ? own < before
                               : exact_key(e, node) < exact_key(e, nodes[j - 1]);
         if (!less) break;
         nodes[j] = nodes[j - 1];
-        keys_[j] = before;
+        key(e, j) = before;
       }
       nodes[j] = node;
-      keys_[j] = key;
+      key(e, j) = own;
     }
     for (Index i = begin; i < end; ++i) {
       if (nodes[i].crossing()) {
@@ -292,7 +294,7 @@ class Builder {
   Context& context_;
   Arrangement out_;
   Array<double> along_b_;  // of crossings in the order of A's lines
-  Array<double> keys_;     // of nodes of B's lines
+  Array<double> keys_;
   Array<Index> place_in_lines_[2];  // of a place of m inside an edge of the other mesh: its node there
 };
 

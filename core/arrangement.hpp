@@ -85,9 +85,9 @@ struct Arrangement {
   Index first_b = 0, first_crossing = 0, first_corner = 0;  // vertices from here on are B's own places, crossings, ...
   Array<Index> place_of_vertex;                             // below first_crossing: a place of A; from first_b on, of B
   Array<Index> node_of_crossing;  // by vertex - first_crossing: where it stands in the lines of A
-  Array<Point2> points;                                     // of every vertex; crossings rounded
-  Array<double> heights[2];  // of crossings and places, where the mesh has no jumps; NaN outside
-  double max_move = 0;       // an upper bound of the rounding of crossings
+  Array<Point2> points;           // of every vertex; crossings rounded
+  Array<double> heights[2];       // of crossings and places, where the mesh has no jumps; NaN outside
+  double max_move = 0;            // an upper bound of the rounding of crossings
 
   static constexpr std::uint32_t no_key = 0xFFFFFFFF;
   std::uint32_t key(const Piece& p) const {

@@ -7,8 +7,8 @@
 
 namespace terrane {
 
-/// Leaves new elements uninitialised: the big arrays of a computation are about to be written, and the first touch of their
-/// memory costs as much as most of what is computed on them.
+/// Leaves new elements uninitialised: the big arrays of a computation are about to be written, and the first touch of
+/// their memory costs as much as most of what is computed on them.
 template <class T>
 struct UninitialisedAllocator : std::allocator<T> {
   template <class U>

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/completed.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/region_fill.hpp"
 #include "core/error.hpp"
@@ -14,19 +17,17 @@
 namespace terrane {
 namespace {
 
-/// Gives each vertex of a face that is no wall the number of its place: equal x and y share one. Open addressing over
-/// the bit patterns.
-std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* moved, CompletedMesh& mesh) {
+/// Gives each vertex the number of its place: equal x and y share one. Open addressing over the bit patterns.
+/// `used`: empty, or which vertices to look at.
+std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* moved, const std::vector<bool>& used,
+                                 CompletedMesh& mesh) {
   const std::size_t n = tin.vertices.size();
-  std::vector<std::uint8_t> used(n, 0);
-  for (const Face& f : tin.faces)
-    if (!is_wall(tin, f)) used[f[0]] = used[f[1]] = used[f[2]] = 1;
   const std::size_t slots = std::bit_ceil(2 * n + 16);
   std::vector<Index> table(slots, none), place_of(n, none);
   mesh.places.reserve(n + 4);
   mesh.z.reserve(n + 4);
   for (std::size_t v = 0; v < n; ++v) {
-    if (!used[v]) continue;
+    if (!used.empty() && !used[v]) continue;
     Point2 p = moved ? (*moved)[v] : plan(tin.vertices[v]);
     p.x += 0.0, p.y += 0.0;  // -0 and 0 are one place
     std::uint64_t hx, hy;
@@ -67,33 +68,33 @@ void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, Complete
   mesh.real_faces = mesh.faces();
 }
 
-/// Pairs half-edges over shared edges: a bucket per lower end, a few entries each.
+/// Pairs half-edges over shared edges. Those that wait for their twin hang in a chain at the lower of their ends,
+/// linked through `twin` until it is known; edges of a valid TIN have two at most.
 void pair_real_halves(CompletedMesh& mesh) {
-  const std::size_t halves = mesh.corner.size();
+  const Index halves = static_cast<Index>(mesh.corner.size());
   mesh.twin.reserve(mesh.corner.capacity());
-  mesh.twin.assign(halves, none);
-  Array<Index> start(mesh.places.size() + 2, 0);
-  auto each = [&](auto&& visit) {
-    for (std::size_t h = 0; h < halves; ++h) {
-      if ((h & 3) == 3) continue;
-      const Index u = mesh.origin(static_cast<Index>(h)), w = mesh.target(static_cast<Index>(h));
-      visit(static_cast<Index>(h), std::min(u, w), std::max(u, w));
+  mesh.twin.resize(halves);
+  Array<Index> waiting(mesh.places.size(), none);
+  for (Index h = 0; h < halves; ++h) {
+    if ((h & 3) == 3) {
+      mesh.twin[h] = none;
+      continue;
     }
-  };
-  each([&](Index, Index low, Index) { ++start[low + 2]; });
-  for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-  struct Entry {
-    Index high, half;
-  };
-  Array<Entry> entries(start.back());
-  each([&](Index h, Index low, Index high) { entries[start[low + 1]++] = {high, h}; });
-  for (std::size_t low = 0; low < mesh.places.size(); ++low)
-    for (Index i = start[low]; i < start[low + 1]; ++i)
-      for (Index j = i + 1; j < start[low + 1]; ++j)
-        if (entries[i].high == entries[j].high) {
-          mesh.twin[entries[i].half] = entries[j].half;
-          mesh.twin[entries[j].half] = entries[i].half;
-        }
+    const Index u = mesh.origin(h), w = mesh.target(h), low = std::min(u, w);
+    Index* link = &waiting[low];
+    while (*link != none && !(mesh.origin(*link) == w && mesh.target(*link) == u)) link = &mesh.twin[*link];
+    if (*link == none) {
+      mesh.twin[h] = waiting[low];
+      waiting[low] = h;
+    } else {
+      const Index t = *link;
+      *link = mesh.twin[t];
+      mesh.twin[t] = h;
+      mesh.twin[h] = t;
+    }
+  }
+  for (Index h : waiting)  // these are the border
+    while (h != none) h = std::exchange(mesh.twin[h], none);
 }
 
 /// Fills the rest of the box with ghost faces and links them.
@@ -154,8 +155,16 @@ CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>
   if (tin.faces.size() > 250'000'000)
     throw Error(ErrorKind::limit, "too-many-faces", "a surface of more than 250 million faces; cut it into tiles");
   CompletedMesh mesh;
-  const std::vector<Index> place_of = number_places(tin, moved, mesh);
-  add_real_faces(tin, place_of, mesh);
+  add_real_faces(tin, number_places(tin, moved, {}, mesh), mesh);
+  if (!mesh.face_in_tin.empty()) {  // a free-standing wall may have vertices to itself, which are no places in plan
+    std::vector<bool> used(tin.vertices.size(), false);
+    for (const Index f : mesh.face_in_tin)
+      for (const Index v : tin.faces[f]) used[v] = true;
+    if (!std::all_of(used.begin(), used.end(), [](bool u) { return u; })) {
+      mesh = {};
+      add_real_faces(tin, number_places(tin, moved, used, mesh), mesh);
+    }
+  }
   pair_real_halves(mesh);
   add_ghosts(mesh, box);
   number_edges(mesh);
@@ -164,18 +173,26 @@ CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>
 
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
   Index f = hint, from = none;
-  std::uint32_t dice = 0x2545F491u;  // a fixed stochastic walk: ends on every triangulation, Delaunay or not
-  for (;;) {
-    for (int k = 0; k < 3; ++k)  // equal places, which identical tiles are full of, need no predicate
-      if (mesh.at(mesh.corner[4 * f + k]) == q) return {Location::place, mesh.corner[4 * f + k]};
-    dice = dice * 1664525u + 1013904223u;
-    const int first = static_cast<int>(dice >> 30) % 3;
+  std::uint32_t dice = 0x2545F491u;
+  for (int steps = 0;; ++steps) {
+    // Near the hint a straight walk is quickest; a stochastic one ends on every triangulation, Delaunay or not.
+    int first = from == none ? 0 : from & 3;
+    if (steps > 100) {
+      dice = dice * 1664525u + 1013904223u;
+      first = static_cast<int>(dice >> 30) % 3;
+    }
     Index exit = none, zeros[2];
     int zero_count = 0;
-    for (int i = 0; i < 3 && exit == none; ++i) {
-      const Index h = 4 * f + (first + i) % 3;
+    Index h = 4 * f + first;
+    for (int i = 0; i < 3 && exit == none; ++i, h = next_half(h)) {
       if (h == from) continue;
-      const int side = orientation(mesh.at(mesh.origin(h)), mesh.at(mesh.target(h)), q);
+      const Point2 o = mesh.at(mesh.origin(h)), t = mesh.at(mesh.target(h));
+      const double l = (t.x - o.x) * (q.y - o.y), r = (t.y - o.y) * (q.x - o.x);
+      if (std::fabs(l - r) <= 1e-15 * (std::fabs(l) + std::fabs(r))) {  // equal places need no exact predicate
+        if (o == q) return {Location::place, mesh.origin(h)};
+        if (t == q) return {Location::place, mesh.target(h)};
+      }
+      const int side = orientation(o, t, q);
       if (side < 0) exit = h;
       if (side == 0 && zero_count < 2) zeros[zero_count++] = h;
     }

@@ -16,34 +16,31 @@ namespace terrane {
 /// corners, k small.
 class ConvexTriangulator {
  public:
-  /// Calls emit(a, b, c) with the numbers of the corners of every face. Returns whether all are positive on the
-  /// doubles. Not all corners are straight; a triangle has none that is.
+  /// Calls emit(a, b, c) with the numbers of the corners of each of the n - 2 faces. `straight`: per corner; empty when
+  /// none is; never all, and none of a triangle. Returns whether all faces are positive on the doubles.
   template <class Emit>
-  bool run(std::span<const Index> corners, std::span<const std::uint8_t> straight, std::span<const Point2> points,
-           Emit&& emit) {
+  bool run(std::span<const Index> corners, std::span<const std::uint8_t> straight, const Point2* points, Emit&& emit) {
     const std::size_t n = corners.size();
+    const auto at = [&](std::size_t i) { return points[corners[i]]; };
     if (n == 3) {
       emit(corners[0], corners[1], corners[2]);
-      return orientation(points[corners[0]], points[corners[1]], points[corners[2]]) > 0;
+      return orientation(at(0), at(1), at(2)) > 0;
     }
+    if (n == 4 && straight.empty()) return quad(corners, at(0), at(1), at(2), at(3), emit);
     std::size_t start = 0;  // the closing edge must not lie inside a straight run
-    while (start < n && straight[start]) ++start;
+    while (!straight.empty() && straight[start]) ++start;
     at_.resize(n);
-    straight_.resize(n);
+    straight_.assign(n, 0);
     for (std::size_t i = 0, j = start; i < n; ++i, j = j + 1 == n ? 0 : j + 1) {
-      at_[i] = points[corners[j]];
-      straight_[i] = straight[j];
+      at_[i] = at(j);
+      if (!straight.empty()) straight_[i] = straight[j];
     }
     all_positive_ = true;
     const auto number = [&](int i) {
       const std::size_t j = start + static_cast<std::size_t>(i);
       return corners[j < n ? j : j - n];
     };
-    const auto face = [&](int a, int b, int c) { emit(number(a), number(b), number(c)); };
-    if (n == 4 && !(straight_[1] | straight_[2] | straight_[3]))
-      quad(face);
-    else
-      fill(0, static_cast<int>(n) - 1, face);
+    fill(0, static_cast<int>(n) - 1, [&](int a, int b, int c) { emit(number(a), number(b), number(c)); });
     return all_positive_;
   }
 
@@ -52,22 +49,24 @@ class ConvexTriangulator {
   bool positive(int a, int b, int c) const { return orientation(at_[a], at_[b], at_[c]) > 0; }
 
   template <class Emit>
-  void quad(Emit&& emit) {
-    const bool first = positive(0, 1, 2) && positive(0, 2, 3), second = positive(1, 2, 3) && positive(0, 1, 3);
-    bool take_first = first;
-    if (first && second) {
-      const int inside = in_circle(at_[0], at_[1], at_[2], at_[3]);
-      const auto lower = [&](int i, int j) { return before(at_[i], at_[j]) ? at_[i] : at_[j]; };
-      take_first = inside < 0 || (inside == 0 && before(lower(0, 2), lower(1, 3)));
+  static bool quad(std::span<const Index> c, Point2 p, Point2 q, Point2 r, Point2 s, Emit&& emit) {
+    const auto lower = [](Point2 u, Point2 v) { return before(u, v) ? u : v; };
+    const int inside = in_circle(p, q, r, s);
+    bool along_pr = inside < 0 || (inside == 0 && before(lower(p, r), lower(q, s)));
+    bool positive = false;
+    for (int attempt = 0; attempt < 2 && !positive; ++attempt) {
+      positive = along_pr ? orientation(p, q, r) > 0 && orientation(p, r, s) > 0
+                          : orientation(q, r, s) > 0 && orientation(p, q, s) > 0;
+      if (!positive) along_pr = !along_pr;
     }
-    all_positive_ = first || second;
-    if (take_first) {
-      emit(0, 1, 2);
-      emit(0, 2, 3);
+    if (along_pr) {
+      emit(c[0], c[1], c[2]);
+      emit(c[0], c[2], c[3]);
     } else {
-      emit(1, 2, 3);
-      emit(0, 1, 3);
+      emit(c[1], c[2], c[3]);
+      emit(c[0], c[1], c[3]);
     }
+    return positive;
   }
 
   /// The chain i .. j can close with its chord: it is one edge, or it bends.
@@ -79,7 +78,7 @@ class ConvexTriangulator {
   }
 
   template <class Emit>
-  void fill(int i, int j, Emit&& emit) {
+  void fill(int i, int j, const Emit& emit) {
     if (j == i + 1) return;
     int best = none;
     bool best_positive = false;

@@ -125,6 +125,10 @@ class EdgeWalk {
     const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
     start_ = a_.at(u), goal_ = a_.at(w);
     z_start_ = a_.z[u], z_goal_ = a_.z[w];
+    const double dx = goal_.x - start_.x, dy = goal_.y - start_.y;
+    by_x_ = std::fabs(dx) >= std::fabs(dy);
+    per_length_ = 1 / (by_x_ ? dx : dy);
+    leaves_trace_ = paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0;
     const Location from = arrangement_.location[0][u];
     to_ = arrangement_.location[0][w];
 
@@ -210,18 +214,21 @@ class EdgeWalk {
         if (!found) throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
         continue;
       }
-      cross(exit, right, left);
       const Index g = b_.twin[exit];
+      cross(exit, b_.real(exit >> 2) || b_.real(g >> 2), right, left);
       in_face(g >> 2);
       if (ends_in(g >> 2)) return;
       leave(g);
     }
   }
 
-  void cross(Index exit, double right, double left) {
+  double along_a(Point2 p) const {
+    return std::clamp((by_x_ ? p.x - start_.x : p.y - start_.y) * per_length_, 0.0, 1.0);
+  }
+
+  void cross(Index exit, bool real, double right, double left) {
     if (crossing_count_ == crossing_room_) {
-      if (crossing_count_ > most_)
-        throw too_many_crossings(most_);
+      if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
     const Index eb = b_.edge_of(exit);
@@ -229,12 +236,13 @@ class EdgeWalk {
     const double to_r = std::fabs(along ? right : left), to_s = std::fabs(along ? left : right);
     const bool far = to_r > to_s;
     const double t = (far ? to_s : to_r) / (to_r + to_s);
-    out_.along_b[crossing_count_++] = far ? 1 - t : t;
+    const double along_b = far ? 1 - t : t;
+    out_.along_b[crossing_count_++] = along_b;
     Index& vertex = out_.vertex_of_node[node_count_];
     const Index node = static_cast<Index>(node_count_);
     push(Node(along ? Node::leftward : Node::rightward, eb));
     vertex = none;
-    if (b_.sides[eb] == 0 || (paste_ ? a_.sides[edge_] != 1 : a_.sides[edge_] == 0)) return;
+    if (!real || !leaves_trace_) return;
     Index r = b_.origin(exit), s = b_.target(exit);
     if (!along) std::swap(r, s);
     const Point2 R = b_.at(r), S = b_.at(s);
@@ -242,8 +250,8 @@ class EdgeWalk {
     vertex = static_cast<Index>(vertex_count_);
     out_.points[vertex_count_] = at;
     out_.node_of_crossing[vertex_count_ - first_vertex_] = node;
-    out_.heights[0][vertex_count_] = mix(z_start_, z_goal_, fraction_along(start_, goal_, at));
-    out_.heights[1][vertex_count_] = mix(b_.z[r], b_.z[s], fraction_along(R, S, at));
+    out_.heights[0][vertex_count_] = mix(z_start_, z_goal_, along_a(at));
+    out_.heights[1][vertex_count_] = mix(b_.z[r], b_.z[s], along_b);
     ++vertex_count_;
     out_.max_move = larger_bound(out_.max_move, R, S);
   }
@@ -260,7 +268,8 @@ class EdgeWalk {
   // Of the edge being followed:
   Index edge_ = none;
   Point2 start_, goal_;
-  double z_start_ = 0, z_goal_ = 0;
+  double z_start_ = 0, z_goal_ = 0, per_length_ = 0;
+  bool by_x_ = false, leaves_trace_ = false;
   Location to_;
 };
 

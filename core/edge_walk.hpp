@@ -9,11 +9,11 @@ namespace terrane {
 /// What following a range of A's edges through B found. Numbers of nodes, crossings and vertices count from the
 /// beginning of the range.
 struct Walked {
-  Array<Index> first;            // per edge of the range: its origin in nodes
-  Array<Node> nodes;             // of a crossing the index is, for now, the edge of B
-  Array<Index> under;            // see Arrangement, as the next one
+  Array<Index> first;  // per edge of the range: its origin in nodes
+  Array<Node> nodes;   // of a crossing the index is, for now, the edge of B
+  Array<Index> under;  // see Arrangement, as the next one
   Array<Index> vertex_of_node;
-  Array<double> along_b;         // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-12
+  Array<double> along_b;  // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-12
   Array<Index> node_of_crossing;  // of those that have a vertex, as all that follows
   Array<Point2> points;
   Array<double> heights[2];

@@ -50,6 +50,7 @@ class RegionTracer {
         groups_(arrangement),
         paste_(refinement == Refinement::paste),
         visited_(visited),
+        points_(arrangement.points.data()),
         sink_(sink) {}
 
   /// All regions in a face of A that touch its border.
@@ -64,7 +65,7 @@ class RegionTracer {
       plain = lines.pieces(a_.edge_of(h)) == 1 && (k == 0 || face == under);
       under = face;
     }
-    if (plain && a_.real(f)) return emit_triangle(f, b_.real(under) ? under : none, corners_of(a_, 0, f));
+    if (plain && a_.real(f)) return emit_convex(f, b_.real(under) ? under : none, corners_of(a_, 0, f), {});
     if (plain) {
       for (int k = 0; k < 3; ++k) group(f, under, arrangement_.leaving(0, 4 * f + k));
       return;
@@ -92,7 +93,7 @@ class RegionTracer {
     }
     if (paste_ && a_.real(f)) return;
     const Index in_a = a_.real(f) ? f : none, in_b = b_.real(g) ? g : none;
-    if (in_b != none) return emit_triangle(in_a, in_b, corners_of(b_, 1, g));
+    if (in_b != none) return emit_convex(in_a, in_b, corners_of(b_, 1, g), {});
     for (int k = 0; k < 3; ++k) group(f, g, arrangement_.leaving(1, 4 * g + k));
   }
 
@@ -114,7 +115,7 @@ class RegionTracer {
         straight_.push_back(true);
       }
     }
-    emit_convex({m == 0 ? f : none, m == 1 ? f : none});
+    emit_convex(m == 0 ? f : none, m == 1 ? f : none, corners_, straight_);
   }
 
  private:
@@ -126,37 +127,71 @@ class RegionTracer {
   /// Follows the border of the region to the left of a piece of face f of A.
   void trace(Index f, const Piece& start) {
     const Index g = arrangement_.face_of_b(start.at, start.direction);
-    const bool in_both = a_.real(f) && b_.real(g);
-    corners_.clear();
-    straight_.clear();
+    if (a_.real(f) && b_.real(g)) return trace_in_both(f, g, start);
     Piece piece = start;
     do {
-      if (piece.mesh == 0) visited_[2 * static_cast<std::size_t>(piece.at) + piece.direction] = 1;
-      if (in_both) {
-        corners_.push_back(arrangement_.vertex(piece.mesh, piece.head()));
-      } else {
-        group(f, g, piece);
-      }
-      bool straight = false;
+      visit(piece);
+      group(f, g, piece);
+      bool straight;
       piece = arrangement_.next(piece, straight);
-      if (in_both) straight_.push_back(straight);
     } while (piece != start);
-    if (in_both) emit_convex({f, g});
   }
 
-  void emit_triangle(Index a, Index b, const std::array<Index, 3>& c) {
-    ++sink_.regions;
-    sink_.faces.push_back({c[0], c[1], c[2]});
-    sink_.parents.push_back({a, b});
-    const auto& at = arrangement_.points;
-    sink_.all_positive = sink_.all_positive && orientation(at[c[0]], at[c[1]], at[c[2]]) > 0;
+  /// The same where there is nothing to it but corners: the innermost loop of the overlay, so the piece it stands on is
+  /// three local numbers. It walks to and fro between pieces of A and of B.
+  void trace_in_both(Index f, Index g, const Piece& start) {
+    const Node *const nodes_a = arrangement_.lines[0].nodes.data(), *const nodes_b = arrangement_.lines[1].nodes.data();
+    const Index* const vertex_of_node = arrangement_.vertex_of_node.data();
+    std::uint8_t* const visited = visited_.data();
+    const std::size_t first = 2 * static_cast<std::size_t>(start.at) + start.direction;
+    std::size_t count = 0;
+    bool bends = true;  // everywhere
+    bool on_a = true;
+    Index at = start.at, direction = start.direction;
+    for (;;) {
+      if (on_a) {
+        const std::size_t number = 2 * static_cast<std::size_t>(at) + direction;
+        if (count > 0 && number == first) break;
+        visited[number] = 1;
+      }
+      if (count == corners_.size()) corners_.resize(2 * count + 16), straight_.resize(2 * count + 16);
+      const Index head = at + 1 - direction;
+      const Node node = (on_a ? nodes_a : nodes_b)[head];
+      straight_[count] = 0;
+      if (node.crossing()) {
+        corners_[count] = vertex_of_node[on_a ? head : node.index()];
+        direction = direction ^ static_cast<Index>(node.kind()) ^ static_cast<Index>(!on_a);
+        at = node.index() - direction;
+        on_a = !on_a;
+      } else {
+        const int m = on_a ? 0 : 1;
+        bool straight = false;
+        corners_[count] = arrangement_.vertex(m, head);
+        const Piece piece = arrangement_.next({m, at, direction}, straight);
+        on_a = piece.mesh == 0, at = piece.at, direction = piece.direction;
+        bends = bends && !straight;
+        straight_[count] = straight;
+      }
+      ++count;
+    }
+    emit_convex(f, g, {corners_.data(), count}, {straight_.data(), bends ? 0 : count});
   }
 
-  void emit_convex(std::array<Index, 2> parents) {
+  void visit(const Piece& piece) {
+    if (piece.mesh == 0) visited_[2 * static_cast<std::size_t>(piece.at) + piece.direction] = 1;
+  }
+
+  void emit_convex(Index a, Index b, std::span<const Index> corners, std::span<const std::uint8_t> straight) {
     ++sink_.regions;
-    const bool positive = triangulator_.run(corners_, straight_, arrangement_.points, [&](Index a, Index b, Index c) {
-      sink_.faces.push_back({a, b, c});
-      sink_.parents.push_back(parents);
+    const std::size_t first = sink_.faces.size(), count = corners.size() - 2;
+    sink_.faces.resize(first + count);
+    sink_.parents.resize(first + count);
+    std::array<Index, 2>* parents = sink_.parents.data() + first;
+    for (std::size_t i = 0; i < count; ++i) parents[i][0] = a, parents[i][1] = b;
+    Face* face = sink_.faces.data() + first;
+    const bool positive = triangulator_.run(corners, straight, points_, [&](Index u, Index v, Index w) {
+      (*face)[0] = u, (*face)[1] = v, (*face)[2] = w;
+      ++face;
     });
     sink_.all_positive = sink_.all_positive && positive;
   }
@@ -184,6 +219,7 @@ class RegionTracer {
   Groups groups_;
   bool paste_;
   std::span<std::uint8_t> visited_;
+  const Point2* points_;
   Sink& sink_;
   std::vector<Index> corners_;
   std::vector<std::uint8_t> straight_;
