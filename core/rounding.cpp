@@ -123,14 +123,15 @@ class Greedy {
   double bound_;
 };
 
-/// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all.
-/// Kinetic moves need the mesh as it was, since exact places are valid in that one only. Returns the vertices moved
-/// kinetically.
+/// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all, at
+/// once where these clusters are no exception. Kinetic moves need the mesh as it was, since exact places are valid in
+/// that one only. Returns the vertices moved kinetically.
 Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
            const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
   const std::vector<Index> hard = Greedy(editor, place, distance, bound).run(bad);
   if (hard.empty()) return 0;
   editor.undo({});
+  if (hard.size() > bad.size() / 4) return move_kinetically(editor, bad, place, context);
   const Index moved = move_kinetically(editor, hard, place, context);
   Greedy(editor, place, distance, bound).run(bad_faces(editor.mesh()));
   if (bad_faces(editor.mesh()).empty()) return moved;
@@ -185,8 +186,11 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
   Rounded result;
   for (Index v = 0; v < static_cast<Index>(mesh.points.size()); ++v) {
     const ExactPlace exact = place(v);
-    if (exact.kind != ExactPlace::input)
-      result.report.max_move = std::max(result.report.max_move, rounding_bound(exact));
+    if (exact.kind == ExactPlace::input) continue;
+    const double bound = exact.kind == ExactPlace::lattice
+                             ? std::hypot(mesh.points[v].x - exact.p.x, mesh.points[v].y - exact.p.y)
+                             : rounding_bound(exact);
+    result.report.max_move = std::max(result.report.max_move, bound);
   }
   MeshEditor editor(mesh);
   const double bound = 3 * result.report.max_move;

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/plan_grid.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "core/completed.hpp"
+#include "core/corner_heights.hpp"
+#include "core/error.hpp"
+#include "core/predicates.hpp"
+#include "core/rounding.hpp"
+#include "core/sum.hpp"
+#include "core/triangle_height.hpp"
+#include "core/walls.hpp"
+
+namespace terrane {
+namespace {
+
+std::string shortest(double x) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, x).ptr};
+}
+
+double area_in_plan(const std::vector<Point2>& points, const std::vector<Face>& faces) {
+  Sum area;
+  for (const Face& f : faces) area.add(0.5 * area2_accurate(points[f[0]], points[f[1]], points[f[2]]));
+  return area.value();
+}
+
+/// Heights of a TIN at places that became fewer.
+class Heights {
+ public:
+  Heights(const Tin& tin, const CompletedMesh& mesh, const std::vector<Index>& merged_into)
+      : tin_(tin), mesh_(mesh), merged_into_(merged_into), first_(mesh.places.size() + 1, 0) {
+    const auto each = [&](auto&& visit) {
+      for (Index f = 0; f < mesh.real_faces; ++f)
+        for (int k = 0; k < 3; ++k) visit(mesh.corner[4 * f + k], z(f, k));
+    };
+    each([&](Index v, double) { ++first_[v + 1]; });
+    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+    heights_.resize(first_.back());
+    last_.assign(first_.begin(), first_.end() - 1);
+    each([&](Index v, double height) { heights_[last_[v]++] = height; });
+    const Index places = static_cast<Index>(last_.size());
+    for (Index v = 0; v < places; ++v) {
+      const auto begin = heights_.begin() + first_[v], end = heights_.begin() + last_[v];
+      std::sort(begin, end);
+      last_[v] = std::unique(begin, end) - heights_.begin();
+    }
+    for (Index v = 0; v < places; ++v) leader_.push_back(v);
+    for (Index v = 0; v < places; ++v)
+      if (Index& leads = leader_[merged_into[v]]; count(v) > count(leads)) leads = v;
+  }
+
+  /// At a place, as a face of the TIN has it.
+  double height(Index face, Index place, Point2 p) const {
+    for (int k = 0; k < 3; ++k)
+      if (merged_into_[mesh_.corner[4 * face + k]] == place) return nearest(place, z(face, k));
+    const Index* c = &mesh_.corner[4 * face];
+    return nearest(place, height_on_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])},
+                                             {z(face, 0), z(face, 1), z(face, 2)}, p));
+  }
+
+ private:
+  double z(Index face, int k) const { return tin_.vertices[mesh_.vertex[3 * face + k]].z; }
+
+  std::size_t count(Index place) const { return last_[place] - first_[place]; }
+
+  double nearest(Index place, double z) const {
+    const double *low = &heights_[first_[leader_[place]]], *high = &heights_[0] + last_[leader_[place]];
+    const double* above = std::lower_bound(low, high, z);
+    if (above == high) return *(high - 1);
+    if (above == low) return *above;
+    return z - *(above - 1) <= *above - z ? *(above - 1) : *above;
+  }
+
+  const Tin& tin_;
+  const CompletedMesh& mesh_;
+  const std::vector<Index>& merged_into_;
+  std::vector<std::size_t> first_, last_;  // of a place: its heights, ascending
+  std::vector<double> heights_;
+  std::vector<Index> leader_;  // of the places that became one: whose heights it has
+};
+
+/// Where merges made a jump change its sign along an edge, both sides take the lower height at the end where they
+/// differ less. Every time a place has a height less, so this ends.
+void close_crossed_jumps(CornerSurface& surface, const std::vector<Face>& neighbours) {
+  const CornersByPlace places = corners_by_place(surface.faces, surface.points.size());
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t f = 0; f < surface.faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const Index g = neighbours[f][k];
+        if (g <= static_cast<Index>(f)) continue;
+        const Index ends[2] = {surface.faces[f][(k + 1) % 3], surface.faces[f][(k + 2) % 3]};
+        double low[2], high[2], jump[2];
+        for (int i = 0; i < 2; ++i) {
+          const double zf = surface.z[3 * f + (k + 1 + i) % 3];
+          const auto at = std::find(surface.faces[g].begin(), surface.faces[g].end(), ends[i]);
+          const double zg = surface.z[3 * static_cast<std::size_t>(g) + (at - surface.faces[g].begin())];
+          low[i] = std::min(zf, zg), high[i] = std::max(zf, zg), jump[i] = zf - zg;
+        }
+        if (!((jump[0] < 0 && jump[1] > 0) || (jump[0] > 0 && jump[1] < 0))) continue;
+        const int end = std::fabs(jump[0]) <= std::fabs(jump[1]) ? 0 : 1;
+        for (std::size_t i = places.first[ends[end]]; i < places.first[ends[end] + 1]; ++i)
+          if (double& z = surface.z[places.corners[i]]; z > low[end] && z <= high[end]) z = low[end];
+        changed = true;
+      }
+  }
+}
+
+Box frame_around(const Tin& tin) {
+  const Box box = bounds(tin);
+  const double margin = 1 + (box.xmax - box.xmin) + (box.ymax - box.ymin);
+  return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
+}
+
+double distance_to_face(const CompletedMesh& mesh, Index face, Point2 p) {
+  bool inside = true;
+  double least = INFINITY;
+  for (int k = 0; k < 3; ++k) {
+    const Point2 a = mesh.at(mesh.corner[4 * face + k]), b = mesh.at(mesh.corner[4 * face + (k + 1) % 3]);
+    inside = inside && orientation(a, b, p) >= 0;
+    double d;
+    nearest_on_segment(a, b, p, d);
+    least = std::min(least, d);
+  }
+  return inside ? 0 : least;
+}
+
+}  // namespace
+
+PlanGrid::PlanGrid(double step) : step_(step), numerator_(step), denominator_(1) {
+  double power = 1;
+  for (int digits = 0; digits <= 22; ++digits, power *= 10) {
+    const double whole = std::nearbyint(step * power);
+    if (whole < 1 || whole > 1e15 || whole / power != step) continue;
+    numerator_ = whole, denominator_ = power;
+    return;
+  }
+}
+
+double PlanGrid::nearest(double x) const {
+  const double count = std::nearbyint(x * denominator_ / numerator_);
+  if (!(std::fabs(count * numerator_) < 0x1p53)) return x;
+  return count * numerator_ / denominator_ + 0.0;  // no negative zero
+}
+
+OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
+  OnGrid result;
+  if (tin.faces.empty()) {
+    result.tin = tin;
+    return result;
+  }
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorKind::input, "grid", "on a grid of " + shortest(grid.step()) + " " + why + "; use a finer grid");
+  };
+  const Box box = bounds(tin);
+  if (grid.step() > (box.xmax - box.xmin) + (box.ymax - box.ymin)) refuse("no face is left of the surface");
+  context.progress("grid", 0);
+  const CompletedMesh completed = complete(tin, frame_around(tin));
+  const Index moving = completed.real_places();
+  PlanarMesh mesh;
+  mesh.points = completed.places;
+  for (Index v = 0; v < moving; ++v) mesh.points[v] = grid.nearest(completed.at(v));
+  std::vector<Face> before;
+  for (Index f = 0; f < completed.faces(); ++f) {
+    mesh.faces.push_back({completed.corner[4 * f], completed.corner[4 * f + 1], completed.corner[4 * f + 2]});
+    mesh.labels.push_back(completed.real(f) ? f : none);
+    if (completed.real(f)) before.push_back(mesh.faces.back());
+  }
+  connect(mesh);
+  const auto place = [&](Index v) {
+    ExactPlace at;
+    if (v < moving) at.kind = ExactPlace::lattice, at.p = completed.at(v);
+    return at;
+  };
+  const auto distance = [&](Index label, Point2 p) { return label == none ? 0 : distance_to_face(completed, label, p); };
+  Rounded rounded;
+  try {
+    rounded = round_and_verify(mesh, place, context, distance);
+  } catch (const Error& error) {
+    if (error.kind != ErrorKind::input) throw;
+    refuse(std::string("the surface cannot be kept valid: ") + error.what());
+  }
+  context.progress("grid", 0.7);
+
+  const Heights heights(tin, completed, rounded.merged_into);
+  CornerSurface surface;
+  surface.points = std::move(mesh.points);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (mesh.faces[f][0] == none || mesh.labels[f] == none) continue;
+    surface.faces.push_back(mesh.faces[f]);
+    for (Index v : mesh.faces[f]) surface.z.push_back(heights.height(mesh.labels[f], v, surface.points[v]));
+  }
+  if (surface.faces.empty()) refuse("no face is left of the surface");
+  result.area_lost = area_in_plan(completed.places, before) - area_in_plan(surface.points, surface.faces);
+  mesh = {surface.points, surface.faces, {}, {}};
+  connect(mesh);
+  close_crossed_jumps(surface, mesh.neighbours);
+  const bool walls = std::any_of(tin.faces.begin(), tin.faces.end(), [&](const Face& f) { return is_wall(tin, f); });
+  result.tin = canonical(raise(surface, mesh.neighbours, walls).tin);
+  result.rounding = rounded.report;
+  context.progress("grid", 1);
+  return result;
+}
+
+}  // namespace terrane
