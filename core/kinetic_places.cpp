@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/crossing_point.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
@@ -130,6 +131,19 @@ bool KineticPlaces::on_one_line(const NearPlace& a, const NearPlace& b, const Ne
     return true;
   };
   return holds(crossing->p, crossing->q) || holds(crossing->r, crossing->s);
+}
+
+Point2 refined(const ExactPlace& place, Point2 at) {
+  const NearPlace near = near_place(place, at, 0);
+  if (near.error <= 0x1p-60 * std::max(std::fabs(at.x), std::fabs(at.y)))
+    return {at.x + near.offset.x, at.y + near.offset.y};
+  const ExactPair exact = exact_pair(place);
+  return {CGAL::to_double(exact.x), CGAL::to_double(exact.y)};
+}
+
+Point2 crossing_of_long_segment(Point2 p, Point2 q, Point2 r, Point2 s, Point2 at) {
+  const Point2 made = refined({ExactPlace::crossing, p, q, r, s}, at);
+  return {p.x == q.x ? p.x : made.x, p.y == q.y ? p.y : made.y};
 }
 
 ExactPair KineticPlaces::exact(const NearPlace& place) const {

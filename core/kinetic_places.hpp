@@ -42,7 +42,7 @@ struct ExactPair {
 class KineticPlaces {
  public:
   /// `points`: the rounded places.
-  KineticPlaces(const std::vector<Point2>& points, const std::function<ExactPlace(Index)>& place)
+  KineticPlaces(const Array<Point2>& points, const std::function<ExactPlace(Index)>& place)
       : points_(points), place_(place), slot_(points.size(), none) {}
 
   /// Puts v back at its exact place; false when that is where it is, or v is fixed.
@@ -64,12 +64,15 @@ class KineticPlaces {
   bool on_one_line(const NearPlace& a, const NearPlace& b, const NearPlace& c) const;
 
  private:
-  const std::vector<Point2>& points_;
+  const Array<Point2>& points_;
   const std::function<ExactPlace(Index)>& place_;
   std::vector<Index> slot_;  // of a vertex, among the lifted; none: at points_
   std::vector<Index> lifted_;
   std::vector<NearPlace> places_;
 };
+
+/// `at`, an exact place rounded to some digits, to the last: within an ulp of its coordinates.
+Point2 refined(const ExactPlace& place, Point2 at);
 
 /// to - from along one axis, `size` an upper bound of what was added up.
 struct Difference {

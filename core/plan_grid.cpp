@@ -84,32 +84,93 @@ class Heights {
   std::vector<Index> leader_;  // of the places that became one: whose heights it has
 };
 
-/// Where merges made a jump change its sign along an edge, both sides take the lower height at the end where they
-/// differ less. Every time a place has a height less, so this ends.
-void close_crossed_jumps(CornerSurface& surface, const std::vector<Face>& neighbours) {
-  const CornersByPlace places = corners_by_place(surface.faces, surface.points.size());
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t f = 0; f < surface.faces.size(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        const Index g = neighbours[f][k];
-        if (g <= static_cast<Index>(f)) continue;
-        const Index ends[2] = {surface.faces[f][(k + 1) % 3], surface.faces[f][(k + 2) % 3]};
-        double low[2], high[2], jump[2];
-        for (int i = 0; i < 2; ++i) {
-          const double zf = surface.z[3 * f + (k + 1 + i) % 3];
-          const auto at = std::find(surface.faces[g].begin(), surface.faces[g].end(), ends[i]);
-          const double zg = surface.z[3 * static_cast<std::size_t>(g) + (at - surface.faces[g].begin())];
-          low[i] = std::min(zf, zg), high[i] = std::max(zf, zg), jump[i] = zf - zg;
-        }
-        if (!((jump[0] < 0 && jump[1] > 0) || (jump[0] > 0 && jump[1] < 0))) continue;
-        const int end = std::fabs(jump[0]) <= std::fabs(jump[1]) ? 0 : 1;
-        for (std::size_t i = places.first[ends[end]]; i < places.first[ends[end] + 1]; ++i)
-          if (double& z = surface.z[places.corners[i]]; z > low[end] && z <= high[end]) z = low[end];
-        changed = true;
-      }
+/// Merges can leave heights at a place that no longer make a surface with walls: a jump that changes its sign along an
+/// edge, or two heights that no jump along an edge joins. Such heights become one. Every time a place has a height less,
+/// so this ends.
+class Reconciler {
+ public:
+  Reconciler(CornerSurface& surface, const std::vector<Face>& neighbours, bool walls)
+      : surface_(surface),
+        neighbours_(neighbours),
+        places_(corners_by_place(surface.faces, surface.points.size())),
+        walls_(walls) {}
+
+  void run() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t f = 0; f < surface_.faces.size(); ++f)
+        for (int k = 0; k < 3; ++k)
+          if (neighbours_[f][k] > static_cast<Index>(f)) changed = uncross(f, k) || changed;
+      for (std::size_t v = 0; v < surface_.points.size(); ++v) changed = join(v) || changed;
+    }
   }
-}
+
+ private:
+  struct Pair {
+    Index place;
+    double here, there;  // the heights of a face and of the face across an edge
+    double jump() const { return here - there; }
+  };
+  /// At the end of the edge opposite corner k of face f that is its corner `end`.
+  Pair heights(std::size_t f, int k, int end) const {
+    const Index place = surface_.faces[f][end], g = neighbours_[f][k];
+    const Face& across = surface_.faces[g];
+    const auto at = std::find(across.begin(), across.end(), place) - across.begin();
+    return {place, surface_.z[3 * f + end], surface_.z[3 * static_cast<std::size_t>(g) + at]};
+  }
+
+  /// Both sides take the lower height at the end where they differ less.
+  bool uncross(std::size_t f, int k) {
+    const Pair p = heights(f, k, (k + 1) % 3), q = heights(f, k, (k + 2) % 3);
+    if (!((p.jump() < 0 && q.jump() > 0) || (p.jump() > 0 && q.jump() < 0))) return false;
+    const Pair& less = std::fabs(p.jump()) <= std::fabs(q.jump()) ? p : q;
+    const double low = std::min(less.here, less.there), high = std::max(less.here, less.there);
+    replace(less.place, low, high, low);
+    return true;
+  }
+
+  void replace(Index place, double above, double up_to, double with) {
+    for (std::size_t i = places_.first[place]; i < places_.first[place + 1]; ++i)
+      if (double& z = surface_.z[places_.corners[i]]; z > above && z <= up_to) z = with;
+  }
+
+  /// Jumps join the heights they span; of two neighbouring heights that none joins the upper becomes the lower.
+  bool join(std::size_t place) {
+    heights_.clear();
+    const std::size_t first = places_.first[place], last = places_.first[place + 1];
+    for (std::size_t i = first; i < last; ++i) heights_.push_back(surface_.z[places_.corners[i]]);
+    std::sort(heights_.begin(), heights_.end());
+    heights_.erase(std::unique(heights_.begin(), heights_.end()), heights_.end());
+    if (heights_.size() < 2) return false;
+    spans_.clear();
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t f = places_.corners[i] / 3;
+      const int corner = static_cast<int>(places_.corners[i] % 3);
+      for (const int step : {1, 2}) {  // the edges from this corner to the two others
+        const int k = (corner + step) % 3, other = (corner + 3 - step) % 3;
+        if (neighbours_[f][k] == none) continue;
+        const Pair p = heights(f, k, corner);
+        if (p.jump() < 0 && (walls_ || heights(f, k, other).jump() != 0)) spans_.emplace_back(p.here, p.there);
+        if (p.jump() > 0 && (walls_ || heights(f, k, other).jump() != 0)) spans_.emplace_back(p.there, p.here);
+      }
+    }
+    for (std::size_t i = 1; i < heights_.size(); ++i) {
+      const double low = heights_[i - 1], high = heights_[i];
+      if (std::any_of(spans_.begin(), spans_.end(), [&](auto& s) { return s.first <= low && s.second >= high; }))
+        continue;
+      replace(static_cast<Index>(place), low, high, low);
+      return true;
+    }
+    return false;
+  }
+
+  CornerSurface& surface_;
+  const std::vector<Face>& neighbours_;
+  const CornersByPlace places_;
+  const bool walls_;
+  std::vector<double> heights_;
+  std::vector<std::pair<double, double>> spans_;
+};
 
 Box frame_around(const Tin& tin) {
   const Box box = bounds(tin);
@@ -199,8 +260,8 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
   result.area_lost = area_in_plan(completed.places, before) - area_in_plan(surface.points, surface.faces);
   mesh = {surface.points, surface.faces, {}, {}};
   connect(mesh);
-  close_crossed_jumps(surface, mesh.neighbours);
   const bool walls = std::any_of(tin.faces.begin(), tin.faces.end(), [&](const Face& f) { return is_wall(tin, f); });
+  Reconciler(surface, mesh.neighbours, walls).run();
   result.tin = canonical(raise(surface, mesh.neighbours, walls).tin);
   result.rounding = rounded.report;
   context.progress("grid", 1);

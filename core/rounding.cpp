@@ -9,6 +9,7 @@
 #include "core/crossing_point.hpp"
 #include "core/error.hpp"
 #include "core/kinetic.hpp"
+#include "core/kinetic_places.hpp"
 #include "core/mesh_editor.hpp"
 #include "core/predicates.hpp"
 
@@ -144,7 +145,8 @@ Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::functio
 Point2 rounded(const ExactPlace& place) {
   if (place.kind == ExactPlace::ratio) {
     constexpr Point2 any{0, 0}, other{1, 1};
-    return crossing_point(any, other, place.p, place.q, std::fabs(place.dp), std::fabs(place.dq));
+    const Point2 at = point_on_segment(any, other, place.p, place.q, std::fabs(place.dp), std::fabs(place.dq));
+    return is_long(place.p, place.q) ? refined(place, at) : at;
   }
   return crossing_point(place.p, place.q, place.r, place.s, std::fabs(area2_accurate(place.p, place.q, place.r)),
                         std::fabs(area2_accurate(place.p, place.q, place.s)));

@@ -7,6 +7,7 @@
 #include "core/validate.hpp"
 #include "ops/certificate.hpp"
 #include "ops/frame.hpp"
+#include "ops/grid.hpp"
 #include "ops/input_format.hpp"
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
@@ -169,6 +170,7 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
   Outcome outcome = plan.operation->run(surfaces, plan.parameters, context);
+  put_on_grid(outcome, plan, frame.crs, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);

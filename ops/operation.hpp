@@ -89,7 +89,7 @@ struct Operation {
 const std::vector<Operation>& catalogue();
 /// Throws Error{no_such_process} listing what exists.
 const Operation& find_operation(std::string_view id);
-/// max-error, assume-crs, crs, target-crs, format, threads.
+/// max-error, assume-crs, crs, target-crs, grid, format, threads.
 const std::vector<Parameter>& common_parameters();
 
 /// The words of `format` that a kind of result can have, the default first.

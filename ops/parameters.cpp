@@ -212,6 +212,10 @@ void CommonParameters::visit(Fields& f) {
       "input, several separated by semicolons.");
   f.crs("crs", crs, "The CRS of the inputs whatever they say themselves; written like assume-crs.");
   f.crs("target-crs", target_crs, "The CRS of the result, to which inputs in others are transformed.");
+  f.length("grid", grid, {.minimum = 0},
+           "Rounds x and y of a resulting surface to multiples of this length, verified: no face turns over, heights "
+           "travel with their vertices, vertices that meet become one. In degrees the largest of 1, 2 or 5 x 10^-n "
+           "within it. 0 leaves coordinates as they are.");
   f.text("format", format, "The format of the output where its name does not tell.");
   f.integer("threads", threads, {.minimum = 0, .maximum = 1024},
             "How many threads to use; 0 leaves it to the program. The result does not depend on it.");

@@ -105,7 +105,7 @@ Operation operation(Operation description, Outcome (*run)(std::vector<Surface>&,
 
 /// The parameters that every operation takes.
 struct CommonParameters {
-  Length max_error;
+  Length max_error, grid;
   std::string assume_crs, crs, target_crs, format;
   long threads = 0;
   void visit(Fields& fields);

@@ -91,6 +91,10 @@ Choices that are made here where others are possible:
 
 - A CRS that is given for one input is written INPUT:CRS, with the input's name or its file name; several are
   separated by `;`.
+- `grid` makes every x and y of a resulting surface the double nearest to a multiple of the length, so that they print
+  short. Heights stay with their vertices, input vertices move too; the part `grid` of the certificate says how far, and
+  what area was lost. Gaps and slivers narrower than the grid close, vertices that meet become one. A grid that leaves
+  nothing of the surface is refused. Other results (reports, pictures) are not rounded.
 - Without a CRS in any input all are in one local frame in metres. Inputs with a CRS and inputs without never mix.
 - Areas and volumes are in squared and cubed CRS units where plan and height have the same unit, in m² and m³ otherwise.
   In geographic CRSs they are those on the ellipsoid. `area_balance` in the certificate is about the mesh and stays in
