@@ -5,7 +5,6 @@
 
 #include "core/plan_grid.hpp"
 #include "core/surface.hpp"
-#include "ops/parameters.hpp"
 
 namespace terrane {
 

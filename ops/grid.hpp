@@ -3,6 +3,7 @@
 
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
+#include "ops/parameters.hpp"
 
 namespace terrane {
 
