@@ -170,17 +170,20 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
   Outcome outcome = plan.operation->run(surfaces, plan.parameters, context);
-  put_on_grid(outcome, plan, frame.crs, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);
   response.file_name = plan.operation->id + extension_of(plan.output_format);
   if (const Tin* tin = std::get_if<Tin>(&outcome.result)) {
+    const auto check = [&] {
+      const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
+      return check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
+    };
+    HeightCheck heights = check();
+    warn_of_heights(heights, *tin, context);
+    if (put_on_grid(outcome, plan, frame.crs, context)) heights = check();  // by as much as vertices moved on slopes
     const Inspection seen = inspect(*tin);
     if (outcome.verify) refuse_unsound(seen, plan.operation->id);
-    const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
-    const HeightCheck heights = check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
-    warn_of_heights(heights, *tin, context);
     name_joined(frame, outcome);
     response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
     encode(plan, frame, *tin, body, response, context);

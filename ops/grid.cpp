@@ -23,12 +23,12 @@ double grid_step(const Length& asked, const Crs& crs) {
   return step;
 }
 
-void put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& context) {
+bool put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& context) {
   Tin* tin = std::get_if<Tin>(&outcome.result);
   const auto asked = plan.parameters.find("grid");
-  if (!tin || asked == plan.parameters.end()) return;
+  if (!tin || asked == plan.parameters.end()) return false;
   const double step = grid_step(Length::of(*asked), crs);
-  if (!(step > 0)) return;
+  if (!(step > 0)) return false;
   OnGrid made = put_on_grid(*tin, PlanGrid(step), context);
   const RoundingReport& r = made.rounding;
   outcome.certificate["grid"] = {{"step", step},       {"max_move", r.max_move}, {"max_spill", r.max_spill},
@@ -37,7 +37,8 @@ void put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& co
   RoundingReport sum = outcome.rounding.value_or(RoundingReport{});
   accumulate(sum, r);
   outcome.rounding = sum;
-  outcome.result = std::move(made.tin);
+  *tin = std::move(made.tin);
+  return true;
 }
 
 }  // namespace terrane

@@ -12,7 +12,7 @@ namespace terrane {
 double grid_step(const Length& asked, const Crs& crs);
 
 /// Rounds a surface to the plan's grid, where it asks for one; the rounding report and the part "grid" of the certificate
-/// say what that did. Throws Error{input, "grid"}.
-void put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& context);
+/// say what that did. Returns whether it did. Throws Error{input, "grid"}.
+bool put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& context);
 
 }  // namespace terrane
