@@ -11,8 +11,9 @@ namespace terrane {
 /// Are 13 digits of a segment too few to keep a place on it within 1e-6? Then it is computed to the last digit.
 inline bool is_long(Point2 r, Point2 s) { return std::max(std::fabs(s.x - r.x), std::fabs(s.y - r.y)) > 0x1p17; }
 
-/// A double place where the line p q crosses the segment r s, given how far r and s are from the line: `to_r` and `to_s`,
-/// in some unit, to 13 digits and not negative. Coordinates that p q holds constant are kept; never beyond r and s.
+/// A double place where the line p q crosses the segment r s, given how far r and s are from the line: `to_r` and
+/// `to_s`, in some unit, to 13 digits and not negative. Coordinates that p q holds constant are kept; never beyond r
+/// and s.
 inline Point2 point_on_segment(Point2 p, Point2 q, Point2 r, Point2 s, double to_r, double to_s) {
   const Point2 low{std::min(r.x, s.x), std::min(r.y, s.y)}, high{std::max(r.x, s.x), std::max(r.y, s.y)};
   if (to_r > to_s) std::swap(to_r, to_s), std::swap(r, s);  // from the nearer end

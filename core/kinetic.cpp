@@ -47,7 +47,8 @@ class Kinetic {
   }
 
  private:
-  /// Crossings of one edge that round to one place stand in a row before it: from the front none has to go around another.
+  /// Crossings of one edge that round to one place stand in a row before it: from the front none has to go around
+  /// another.
   std::vector<Index> nearest_first() const {
     std::vector<std::pair<double, Index>> order;
     for (Index v : places_.lifted()) {

@@ -97,9 +97,8 @@ Alignment Leg::alignment(const Event& now) const {
   const auto passes = [&](const Coordinate& c) -> Approximate {  // the vertex then minus c
     if (now.at_end) return between(c, to);
     const Approximate before = between(c, from);
-    return {before.value + time.value * way.value,
-            before.error + way.error + time.error * std::fabs(way.value) +
-                1e-15 * (std::fabs(before.value) + std::fabs(way.value))};
+    return {before.value + time.value * way.value, before.error + way.error + time.error * std::fabs(way.value) +
+                                                       1e-15 * (std::fabs(before.value) + std::fabs(way.value))};
   };
   const Approximate span = between(cp, cq), after_p = passes(cp), after_q = passes(cq);
   if (!span.decided() || !after_p.decided() || !after_q.decided()) return exact_alignment(now, k);

@@ -21,8 +21,8 @@ struct Alignment {
   Index meets = none;  // a vertex
 };
 
-/// One vertex on a straight way to a double place. Along it every area is linear in time, so two areas of a face, at the
-/// start and at the goal, say all about it, and no place on the way need be constructed. All answers are exact.
+/// One vertex on a straight way to a double place. Along it every area is linear in time, so two areas of a face, at
+/// the start and at the goal, say all about it, and no place on the way need be constructed. All answers are exact.
 class Leg {
  public:
   Leg(const KineticPlaces& places, Index vertex, Point2 goal)

@@ -176,9 +176,9 @@ int orientation(const KineticPlaces& places, const NearPlace& a, const NearPlace
   // Offsets change an area by little: most are decided without them.
   const double ux = b.at.x - a.at.x, uy = b.at.y - a.at.y, vx = c.at.x - a.at.x, vy = c.at.y - a.at.y;
   const double l = ux * vy, r = uy * vx, reach = a.reach() + b.reach() + c.reach();
-  const double error =
-      4.5e-16 * (std::fabs(l) + std::fabs(r)) +
-      1.001 * reach * (std::fabs(ux) + std::fabs(uy) + std::fabs(vx) + std::fabs(vy) + 2 * reach) + underflow;
+  const double error = 4.5e-16 * (std::fabs(l) + std::fabs(r)) +
+                       1.001 * reach * (std::fabs(ux) + std::fabs(uy) + std::fabs(vx) + std::fabs(vy) + 2 * reach) +
+                       underflow;
   if (std::fabs(l - r) > error) return l > r ? 1 : -1;
   if (const Approximate area = area2(a, b, c); area.decided()) return area.sign();
   if (places.on_one_line(a, b, c)) return 0;

@@ -59,8 +59,8 @@ class KineticPlaces {
     return {p.at.x - points_[v].x + p.offset.x, p.at.y - points_[v].y + p.offset.y};
   }
   ExactPair exact(const NearPlace& place) const;
-  /// Is it plain without any arithmetic that three places are collinear? Two may be one, or all lie on one edge, which is
-  /// how exact zeros come about.
+  /// Is it plain without any arithmetic that three places are collinear? Two may be one, or all lie on one edge, which
+  /// is how exact zeros come about.
   bool on_one_line(const NearPlace& a, const NearPlace& b, const NearPlace& c) const;
 
  private:

@@ -95,7 +95,9 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
     if (v < moving) at.kind = ExactPlace::lattice, at.p = completed.at(v);
     return at;
   };
-  const auto distance = [&](Index label, Point2 p) { return label == none ? 0 : distance_to_face(completed, label, p); };
+  const auto distance = [&](Index label, Point2 p) {
+    return label == none ? 0 : distance_to_face(completed, label, p);
+  };
   Rounded rounded;
   try {
     rounded = round_and_verify(mesh, place, context, distance);

@@ -31,9 +31,9 @@ bool put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& co
   if (!(step > 0)) return false;
   OnGrid made = put_on_grid(*tin, PlanGrid(step), context);
   const RoundingReport& r = made.rounding;
-  outcome.certificate["grid"] = {{"step", step},       {"max_move", r.max_move}, {"max_spill", r.max_spill},
-                                 {"merges", r.merges}, {"flips", r.flips},       {"kinetic", r.kinetic},
-                                 {"area_lost", made.area_lost}};
+  outcome.certificate["grid"] = {
+      {"step", step},     {"max_move", r.max_move}, {"max_spill", r.max_spill},   {"merges", r.merges},
+      {"flips", r.flips}, {"kinetic", r.kinetic},   {"area_lost", made.area_lost}};
   RoundingReport sum = outcome.rounding.value_or(RoundingReport{});
   accumulate(sum, r);
   outcome.rounding = sum;

@@ -96,7 +96,8 @@ TEST(rounding, percolated_clusters_come_out_valid_with_input_vertices_where_they
 
 /// A square whose centre goes to a corner of the plane of the test's choosing.
 PlanarMesh fan(Point2 centre) {
-  PlanarMesh mesh{{{0, 0}, {4, 0}, {4, 4}, {0, 4}, centre}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, {0, 1, 2, 3}};
+  PlanarMesh mesh{
+      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, centre}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, {0, 1, 2, 3}};
   connect(mesh);
   return mesh;
 }

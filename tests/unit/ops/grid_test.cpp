@@ -48,7 +48,8 @@ TEST(grid, the_report_says_what_was_done) {
   EXPECT_NEAR(said.at("area_lost").get<double>(), (9.8767 * 9.9996 - 9.877 * 10) / 2, 1e-9);
   EXPECT_NEAR(outcome.rounding->max_move, 4e-4, 1e-12);
   EXPECT_EQ(outcome.rounding->flips, 2);
-  for (const Point& p : std::get<Tin>(outcome.result).vertices) EXPECT_EQ(PlanGrid(0.001).nearest(terrane::plan(p)), terrane::plan(p));
+  for (const Point& p : std::get<Tin>(outcome.result).vertices)
+    EXPECT_EQ(PlanGrid(0.001).nearest(terrane::plan(p)), terrane::plan(p));
 }
 
 TEST(grid, a_grid_that_leaves_nothing_is_refused) {
