@@ -11,24 +11,29 @@ namespace terrane {
 /// Are 13 digits of a segment too few to keep a place on it within 1e-6? Then it is computed to the last digit.
 inline bool is_long(Point2 r, Point2 s) { return std::max(std::fabs(s.x - r.x), std::fabs(s.y - r.y)) > 0x1p17; }
 
-/// A double place where the line p q crosses the segment r s, given how far r and s are from the line: `to_r` and
-/// `to_s`, in some unit, to 13 digits and not negative. Coordinates that p q holds constant are kept; never beyond r
-/// and s.
-inline Point2 point_on_segment(Point2 p, Point2 q, Point2 r, Point2 s, double to_r, double to_s) {
-  const Point2 low{std::min(r.x, s.x), std::min(r.y, s.y)}, high{std::max(r.x, s.x), std::max(r.y, s.y)};
-  if (to_r > to_s) std::swap(to_r, to_s), std::swap(r, s);  // from the nearer end
-  const double t = to_r / (to_r + to_s);
-  const double x = p.x == q.x ? p.x : r.x + (s.x - r.x) * t, y = p.y == q.y ? p.y : r.y + (s.y - r.y) * t;
-  return {std::clamp(x, low.x, high.x), std::clamp(y, low.y, high.y)};
+/// A double place where the line p q crosses the segment from `near` to `far`, its nearer and its farther end: a
+/// fraction t of the way, to 13 digits, at most a half. Coordinates that p q holds constant are kept; never beyond the
+/// ends.
+inline Point2 point_on_segment(Point2 p, Point2 q, Point2 near, Point2 far, double t) {
+  const double x = p.x == q.x ? p.x : near.x + (far.x - near.x) * t;
+  const double y = p.y == q.y ? p.y : near.y + (far.y - near.y) * t;
+  return {std::clamp(x, std::min(near.x, far.x), std::max(near.x, far.x)),
+          std::clamp(y, std::min(near.y, far.y), std::max(near.y, far.y))};
 }
 
 /// `at`, a point_on_segment, to the last digit.
 Point2 crossing_of_long_segment(Point2 p, Point2 q, Point2 r, Point2 s, Point2 at);
 
-/// The point_on_segment, within larger_bound.
-inline Point2 crossing_point(Point2 p, Point2 q, Point2 r, Point2 s, double to_r, double to_s) {
-  const Point2 at = point_on_segment(p, q, r, s, to_r, to_s);
+/// The point_on_segment, within larger_bound; `far` says that s is the nearer end.
+inline Point2 crossing_point(Point2 p, Point2 q, Point2 r, Point2 s, bool far, double t) {
+  const Point2 at = point_on_segment(p, q, far ? s : r, far ? r : s, t);
   return is_long(r, s) ? crossing_of_long_segment(p, q, r, s, at) : at;
+}
+
+/// The same, given how far r and s are from the line p q, in some unit, to 13 digits and not negative.
+inline Point2 crossing_point(Point2 p, Point2 q, Point2 r, Point2 s, double to_r, double to_s) {
+  const bool far = to_r > to_s;
+  return crossing_point(p, q, r, s, far, (far ? to_s : to_r) / (to_r + to_s));
 }
 
 /// The larger of `bound` and an upper bound of the error of a crossing_point on r s.

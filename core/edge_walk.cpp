@@ -139,13 +139,11 @@ class EdgeWalk {
     const auto leave = [&](Index g) {
       const Index p = b_.apex(g);
       const double d = side(p);
-      if (d == 0) {
-        at_place = p;
-      } else if (d > 0) {
-        exit = next_half(g), left = d;
-      } else {
-        exit = prev_half(g), right = d;
-      }
+      if (d == 0) at_place = p;
+      const bool is_left = d > 0;  // as good as random, so no branch
+      exit = is_left ? next_half(g) : prev_half(g);
+      left = is_left ? d : left;
+      right = is_left ? right : d;
     };
     if (from.kind == Location::place) {
       if (to_.kind == Location::place)
@@ -231,22 +229,19 @@ class EdgeWalk {
       if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
-    const Index eb = b_.edge_of(exit);
-    const bool along = !b_.against(exit);
-    const double to_r = std::fabs(along ? right : left), to_s = std::fabs(along ? left : right);
+    const Index edge = b_.edge[exit], eb = edge >> 1, against = edge & 1;
+    const double to_r = std::fabs(against ? left : right), to_s = std::fabs(against ? right : left);
     const bool far = to_r > to_s;
-    const double t = (far ? to_s : to_r) / (to_r + to_s);
-    const double along_b = far ? 1 - t : t;
+    const double t = (far ? to_s : to_r) / (to_r + to_s), along_b = far ? 1 - t : t;
     out_.along_b[crossing_count_++] = along_b;
     Index& vertex = out_.vertex_of_node[node_count_];
     const Index node = static_cast<Index>(node_count_);
-    push(Node(along ? Node::leftward : Node::rightward, eb));
+    push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
     vertex = none;
     if (!real || !leaves_trace_) return;
-    Index r = b_.origin(exit), s = b_.target(exit);
-    if (!along) std::swap(r, s);
+    const Index from = b_.origin(exit), to = b_.target(exit), r = against ? to : from, s = against ? from : to;
     const Point2 R = b_.at(r), S = b_.at(s);
-    const Point2 at = crossing_point(start_, goal_, R, S, to_r, to_s);
+    const Point2 at = crossing_point(start_, goal_, R, S, far, t);
     vertex = static_cast<Index>(vertex_count_);
     out_.points[vertex_count_] = at;
     out_.node_of_crossing[vertex_count_ - first_vertex_] = node;

@@ -30,7 +30,22 @@ inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
   return area2_slowly(a, b, c);
 }
 
+/// The slow path of `in_circle`.
+int in_circle_exact(Point2 a, Point2 b, Point2 c, Point2 d);
+
 /// The sign of the in-circle test of d against the circle through a, b, c (counter-clockwise): +1 inside. Exact.
-int in_circle(Point2 a, Point2 b, Point2 c, Point2 d);
+/// Filter: Shewchuk (1997), in-circle bound A.
+inline int in_circle(Point2 a, Point2 b, Point2 c, Point2 d) {
+  const double ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x, cy = c.y - d.y;
+  const double bc = bx * cy, cb = cx * by, ca = cx * ay, ac = ax * cy, ab = ax * by, ba = bx * ay;
+  const double la = ax * ax + ay * ay, lb = bx * bx + by * by, lc = cx * cx + cy * cy;
+  const double det = la * (bc - cb) + lb * (ca - ac) + lc * (ab - ba);
+  const double size = la * (std::fabs(bc) + std::fabs(cb)) + lb * (std::fabs(ca) + std::fabs(ac)) +
+                      lc * (std::fabs(ab) + std::fabs(ba));
+  const double bound = 1.1102230246251577e-15 * size;
+  if (det > bound) return 1;
+  if (det < -bound) return -1;
+  return in_circle_exact(a, b, c, d);
+}
 
 }  // namespace terrane

@@ -145,7 +145,10 @@ Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::functio
 Point2 rounded(const ExactPlace& place) {
   if (place.kind == ExactPlace::ratio) {
     constexpr Point2 any{0, 0}, other{1, 1};
-    const Point2 at = point_on_segment(any, other, place.p, place.q, std::fabs(place.dp), std::fabs(place.dq));
+    const double to_p = std::fabs(place.dp), to_q = std::fabs(place.dq);
+    const bool far = to_p > to_q;
+    const Point2 at = point_on_segment(any, other, far ? place.q : place.p, far ? place.p : place.q,
+                                       (far ? to_q : to_p) / (to_p + to_q));
     return is_long(place.p, place.q) ? refined(place, at) : at;
   }
   return crossing_point(place.p, place.q, place.r, place.s, std::fabs(area2_accurate(place.p, place.q, place.r)),
