@@ -235,7 +235,7 @@ class Builder {
     Array<Node>& nodes = out_.lines[1].nodes;
     const Index begin = out_.lines[1].first[e] + 1, end = out_.lines[1].first[e + 1] - 1;
     const Index h = b.half[e];
-    nodes[begin - 1] = end_node(1, b.twin[h], b.origin(h));
+    nodes[begin - 1] = end_node(1, b.twin(h), b.origin(h));
     nodes[end] = end_node(1, h, b.target(h));
     if (begin == end) return;
     for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order

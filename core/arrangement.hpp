@@ -112,7 +112,7 @@ struct Arrangement {
   Index face_of_b(Index at, Index direction) const {
     const Index under_it = under[at];
     if (under_it >= 0) return under_it;
-    const Index h = direction == 0 ? ~under_it : mesh[1]->twin[~under_it];
+    const Index h = direction == 0 ? ~under_it : mesh[1]->twin(~under_it);
     return h == none ? none : h >> 2;
   }
   /// The first piece along half-edge h.

@@ -50,7 +50,7 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
 }
 
 void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
-  mesh.corner.reserve(4 * (tin.faces.size() + tin.faces.size() / 8) + 1024);  // ghosts will follow
+  mesh.links.reserve(tin.faces.size() + tin.faces.size() / 8 + 256);  // ghosts will follow
   bool walls = false;
   for (std::size_t f = 0; f < tin.faces.size(); ++f) {
     const Face& face = tin.faces[f];
@@ -62,7 +62,7 @@ void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, Complete
       walls = true;
     }
     if (wall) continue;
-    mesh.corner.insert(mesh.corner.end(), {a, b, c, none});
+    mesh.links.push_back({{a, b, c}, {none, none, none}, {}});
     if (walls) mesh.face_in_tin.push_back(static_cast<Index>(f));
   }
   mesh.real_faces = mesh.faces();
@@ -71,30 +71,24 @@ void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, Complete
 /// Pairs half-edges over shared edges. Those that wait for their twin hang in a chain at the lower of their ends,
 /// linked through `twin` until it is known; edges of a valid TIN have two at most.
 void pair_real_halves(CompletedMesh& mesh) {
-  const Index halves = static_cast<Index>(mesh.corner.size());
-  mesh.twin.reserve(mesh.corner.capacity());
-  mesh.twin.resize(halves);
+  const auto twin = [&](Index h) -> Index& { return mesh.links[h >> 2].twin[h & 3]; };
   Array<Index> waiting(mesh.places.size(), none);
-  for (Index h = 0; h < halves; ++h) {
-    if ((h & 3) == 3) {
-      mesh.twin[h] = none;
-      continue;
+  for (Index f = 0; f < mesh.faces(); ++f)
+    for (Index h = 4 * f; h < 4 * f + 3; ++h) {
+      const Index u = mesh.origin(h), w = mesh.target(h), low = std::min(u, w);
+      Index* link = &waiting[low];
+      while (*link != none && !(mesh.origin(*link) == w && mesh.target(*link) == u)) link = &twin(*link);
+      if (*link == none) {
+        twin(h) = std::exchange(waiting[low], h);
+      } else {
+        const Index t = *link;
+        *link = twin(t);
+        twin(t) = h;
+        twin(h) = t;
+      }
     }
-    const Index u = mesh.origin(h), w = mesh.target(h), low = std::min(u, w);
-    Index* link = &waiting[low];
-    while (*link != none && !(mesh.origin(*link) == w && mesh.target(*link) == u)) link = &mesh.twin[*link];
-    if (*link == none) {
-      mesh.twin[h] = waiting[low];
-      waiting[low] = h;
-    } else {
-      const Index t = *link;
-      *link = mesh.twin[t];
-      mesh.twin[t] = h;
-      mesh.twin[h] = t;
-    }
-  }
   for (Index h : waiting)  // these are the border
-    while (h != none) h = std::exchange(mesh.twin[h], none);
+    while (h != none) h = std::exchange(twin(h), none);
 }
 
 /// Fills the rest of the box with ghost faces and links them.
@@ -104,49 +98,47 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
                      {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}});
   mesh.z.insert(mesh.z.end(), 4, std::numeric_limits<double>::quiet_NaN());
   std::vector<BorderEdge> border;  // as the exterior sees them: the outside on the left
-  for (Index h = 0; h < static_cast<Index>(mesh.corner.size()); ++h)
-    if ((h & 3) != 3 && mesh.twin[h] == none) border.push_back({mesh.target(h), mesh.origin(h), h});
+  for (Index f = 0; f < mesh.faces(); ++f)
+    for (Index h = 4 * f; h < 4 * f + 3; ++h)
+      if (mesh.twin(h) == none) border.push_back({mesh.target(h), mesh.origin(h), h});
   for (Index k = 0; k < 4; ++k) border.push_back({n + k, n + (k + 1) % 4, none});
   const FilledRegion filled = fill_region(mesh.places, border);
   if (!filled.sound)
     throw Error(ErrorKind::input, "overlapping-faces",
                 "the border of the surface crosses itself: faces overlap in plan");
   const Index first = mesh.faces();
-  for (const Face& f : filled.faces) mesh.corner.insert(mesh.corner.end(), {f[0], f[1], f[2], none});
-  mesh.twin.resize(mesh.corner.size(), none);
+  for (const Face& f : filled.faces) mesh.links.push_back({{f[0], f[1], f[2]}, {none, none, none}, {}});
   for (std::size_t i = 0; i < filled.faces.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const Index h = 4 * (first + static_cast<Index>(i)) + k, other = filled.across[i][k];
       if (other >= 0) {
-        mesh.twin[h] = 4 * first + other;
+        mesh.links[h >> 2].twin[k] = 4 * first + other;
       } else if (const Index b = border[-1 - other].tag; b != none) {
-        mesh.twin[h] = b;
-        mesh.twin[b] = h;
+        mesh.links[h >> 2].twin[k] = b;
+        mesh.links[b >> 2].twin[b & 3] = h;
       }
     }
 }
 
 void number_edges(CompletedMesh& mesh) {
-  const Index halves = static_cast<Index>(mesh.corner.size());
-  mesh.edge.resize(halves);
   mesh.out.assign(mesh.places.size(), none);
-  mesh.half.reserve(halves * std::size_t{3} / 8 + 8);
-  mesh.sides.reserve(halves * std::size_t{3} / 8 + 8);
+  mesh.half.reserve(mesh.links.size() * 3 / 2 + 8);
+  mesh.sides.reserve(mesh.links.size() * 3 / 2 + 8);
   const auto lower = [](Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); };
-  for (Index h = 0; h < halves; ++h) {
-    if ((h & 3) == 3) continue;
-    const Index t = mesh.twin[h], from = mesh.origin(h);
-    if (mesh.out[from] == none || t == none) mesh.out[from] = h;
-    if (t != none && t < h) continue;  // numbered with its twin
-    // Which half-edge defines the edge is read off its coordinates, so that what is computed along it does not depend
-    // on the order of the faces.
-    const bool forward = t == none || lower(mesh.at(from), mesh.at(mesh.target(h)));
-    const Index e = mesh.edges();
-    mesh.edge[h] = 2 * e + !forward;
-    if (t != none) mesh.edge[t] = 2 * e + forward;
-    mesh.half.push_back(forward ? h : t);
-    mesh.sides.push_back(t == none ? 1 : mesh.real(h >> 2) + mesh.real(t >> 2));
-  }
+  for (Index f = 0; f < mesh.faces(); ++f)
+    for (Index h = 4 * f; h < 4 * f + 3; ++h) {
+      const Index t = mesh.twin(h), from = mesh.origin(h);
+      if (mesh.out[from] == none || t == none) mesh.out[from] = h;
+      if (t != none && t < h) continue;  // numbered with its twin
+      // Which half-edge defines the edge is read off its coordinates, so that what is computed along it does not depend
+      // on the order of the faces.
+      const bool forward = t == none || lower(mesh.at(from), mesh.at(mesh.target(h)));
+      const Index e = mesh.edges();
+      mesh.links[f].edge[h & 3] = 2 * e + !forward;
+      if (t != none) mesh.links[t >> 2].edge[t & 3] = 2 * e + forward;
+      mesh.half.push_back(forward ? h : t);
+      mesh.sides.push_back(t == none ? 1 : mesh.real(h >> 2) + mesh.real(t >> 2));
+    }
 }
 
 }  // namespace
@@ -196,8 +188,8 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
       if (side < 0) exit = h;
       if (side == 0 && zero_count < 2) zeros[zero_count++] = h;
     }
-    if (exit != none && mesh.twin[exit] != none) {
-      from = mesh.twin[exit];
+    if (exit != none && mesh.twin(exit) != none) {
+      from = mesh.twin(exit);
       f = from >> 2;
       continue;
     }

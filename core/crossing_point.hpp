@@ -24,16 +24,16 @@ inline Point2 point_on_segment(Point2 p, Point2 q, Point2 near, Point2 far, doub
 /// `at`, a point_on_segment, to the last digit.
 Point2 crossing_of_long_segment(Point2 p, Point2 q, Point2 r, Point2 s, Point2 at);
 
-/// The point_on_segment, within larger_bound; `far` says that s is the nearer end.
-inline Point2 crossing_point(Point2 p, Point2 q, Point2 r, Point2 s, bool far, double t) {
-  const Point2 at = point_on_segment(p, q, far ? s : r, far ? r : s, t);
-  return is_long(r, s) ? crossing_of_long_segment(p, q, r, s, at) : at;
+/// The point_on_segment, within larger_bound.
+inline Point2 crossing_point(Point2 p, Point2 q, Point2 near, Point2 far, double t) {
+  const Point2 at = point_on_segment(p, q, near, far, t);
+  return is_long(near, far) ? crossing_of_long_segment(p, q, near, far, at) : at;
 }
 
 /// The same, given how far r and s are from the line p q, in some unit, to 13 digits and not negative.
 inline Point2 crossing_point(Point2 p, Point2 q, Point2 r, Point2 s, double to_r, double to_s) {
   const bool far = to_r > to_s;
-  return crossing_point(p, q, r, s, far, (far ? to_s : to_r) / (to_r + to_s));
+  return crossing_point(p, q, far ? s : r, far ? r : s, std::min(to_r, to_s) / (to_r + to_s));
 }
 
 /// The larger of `bound` and an upper bound of the error of a crossing_point on r s.

@@ -88,7 +88,7 @@ class EdgeWalk {
   }
 
   void start_line(Index e) {
-    const Index h = a_.half[e], t = a_.twin[h];
+    const Index h = a_.half[e], t = a_.twin(h);
     const Index junction = arrangement_.junction_of[0][a_.origin(h)];
     push(junction != none ? Node(Node::junction, junction) : Node(Node::end, t));
     in_face(Arrangement::not_followed);
@@ -101,10 +101,10 @@ class EdgeWalk {
       case Location::face:
         return to_.index == face;
       case Location::edge:
-        return (to_.index >> 2) == face || (b_.twin[to_.index] != none && (b_.twin[to_.index] >> 2) == face);
+        return (to_.index >> 2) == face || (b_.twin(to_.index) != none && (b_.twin(to_.index) >> 2) == face);
       case Location::place:
-        return b_.corner[4 * face] == to_.index || b_.corner[4 * face + 1] == to_.index ||
-               b_.corner[4 * face + 2] == to_.index;
+        return b_.corner(4 * face) == to_.index || b_.corner(4 * face + 1) == to_.index ||
+               b_.corner(4 * face + 2) == to_.index;
     }
     return false;
   }
@@ -124,7 +124,7 @@ class EdgeWalk {
     edge_ = e;
     const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
     start_ = a_.at(u), goal_ = a_.at(w);
-    z_start_ = a_.z[u], z_goal_ = a_.z[w];
+    z_[0] = a_.z[u], z_[1] = a_.z[w];
     const double dx = goal_.x - start_.x, dy = goal_.y - start_.y;
     by_x_ = std::fabs(dx) >= std::fabs(dy);
     per_length_ = 1 / (by_x_ ? dx : dy);
@@ -154,11 +154,11 @@ class EdgeWalk {
       const double o = side(b_.origin(h)), t = side(b_.target(h));
       if (o == 0) {  // along the edge
         const bool onward = ahead(start_, b_.at(b_.target(h)), start_, goal_);
-        along_half(onward ? h : b_.twin[h]);
+        along_half(onward ? h : b_.twin(h));
         if (to_.kind == Location::edge && to_.index == h) return;
         at_place = onward ? b_.target(h) : b_.origin(h);
       } else {
-        const Index g = o < 0 ? b_.twin[h] : h;  // the side of the edge that lies ahead
+        const Index g = o < 0 ? b_.twin(h) : h;  // the side of the edge that lies ahead
         in_face(g >> 2);
         if (ends_in(g >> 2)) return;
         right = std::min(o, t), left = std::max(o, t);
@@ -169,10 +169,10 @@ class EdgeWalk {
       in_face(f);
       if (ends_in(f)) return;
       double d[3];
-      for (int k = 0; k < 3; ++k) d[k] = side(b_.corner[4 * f + k]);
+      for (int k = 0; k < 3; ++k) d[k] = side(b_.corner(4 * f + k));
       for (int k = 0; k < 3; ++k) {
         const int k1 = k == 2 ? 0 : k + 1;
-        if (d[k] == 0 && d[k1] > 0) at_place = b_.corner[4 * f + k];
+        if (d[k] == 0 && d[k1] > 0) at_place = b_.corner(4 * f + k);
         if (d[k] < 0 && d[k1] > 0) exit = 4 * f + k, right = d[k], left = d[k1];
       }
     }
@@ -212,7 +212,7 @@ class EdgeWalk {
         if (!found) throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
         continue;
       }
-      const Index g = b_.twin[exit];
+      const Index g = b_.twin(exit);
       cross(exit, b_.real(exit >> 2) || b_.real(g >> 2), right, left);
       in_face(g >> 2);
       if (ends_in(g >> 2)) return;
@@ -220,8 +220,11 @@ class EdgeWalk {
     }
   }
 
-  double along_a(Point2 p) const {
-    return std::clamp((by_x_ ? p.x - start_.x : p.y - start_.y) * per_length_, 0.0, 1.0);
+  /// A's height at a place on the edge, from the nearer end.
+  double height_on_edge(Point2 p) const {
+    const double u = std::clamp((by_x_ ? p.x - start_.x : p.y - start_.y) * per_length_, 0.0, 1.0);
+    const bool far = u > 0.5;
+    return z_[far] + (z_[!far] - z_[far]) * std::min(u, 1 - u);
   }
 
   void cross(Index exit, bool real, double right, double left) {
@@ -229,24 +232,26 @@ class EdgeWalk {
       if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
-    const Index edge = b_.edge[exit], eb = edge >> 1, against = edge & 1;
+    const Index edge = b_.edge(exit), eb = edge >> 1, against = edge & 1;
     const double to_r = std::fabs(against ? left : right), to_s = std::fabs(against ? right : left);
+    // The nearer end of B's edge is s as often as r: picked without a branch.
     const bool far = to_r > to_s;
-    const double t = (far ? to_s : to_r) / (to_r + to_s), along_b = far ? 1 - t : t;
-    out_.along_b[crossing_count_++] = along_b;
+    const double t = std::min(to_r, to_s) / (to_r + to_s), along_b[2] = {t, 1 - t};
+    out_.along_b[crossing_count_++] = along_b[far];
     Index& vertex = out_.vertex_of_node[node_count_];
     const Index node = static_cast<Index>(node_count_);
     push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
     vertex = none;
     if (!real || !leaves_trace_) return;
-    const Index from = b_.origin(exit), to = b_.target(exit), r = against ? to : from, s = against ? from : to;
-    const Point2 R = b_.at(r), S = b_.at(s);
-    const Point2 at = crossing_point(start_, goal_, R, S, far, t);
+    const Index ends[2] = {against ? b_.target(exit) : b_.origin(exit), against ? b_.origin(exit) : b_.target(exit)};
+    const Index near = ends[far], beyond = ends[!far];
+    const Point2 R = b_.at(near), S = b_.at(beyond);
+    const Point2 at = crossing_point(start_, goal_, R, S, t);
     vertex = static_cast<Index>(vertex_count_);
     out_.points[vertex_count_] = at;
     out_.node_of_crossing[vertex_count_ - first_vertex_] = node;
-    out_.heights[0][vertex_count_] = mix(z_start_, z_goal_, along_a(at));
-    out_.heights[1][vertex_count_] = mix(b_.z[r], b_.z[s], along_b);
+    out_.heights[0][vertex_count_] = height_on_edge(at);
+    out_.heights[1][vertex_count_] = b_.z[near] + (b_.z[beyond] - b_.z[near]) * t;
     ++vertex_count_;
     out_.max_move = larger_bound(out_.max_move, R, S);
   }
@@ -263,7 +268,7 @@ class EdgeWalk {
   // Of the edge being followed:
   Index edge_ = none;
   Point2 start_, goal_;
-  double z_start_ = 0, z_goal_ = 0, per_length_ = 0;
+  double z_[2] = {}, per_length_ = 0;
   bool by_x_ = false, leaves_trace_ = false;
   Location to_;
 };

@@ -17,7 +17,7 @@ class Heights {
       : tin_(tin), mesh_(mesh), merged_into_(merged_into), first_(mesh.places.size() + 1, 0) {
     const auto each = [&](auto&& visit) {
       for (Index f = 0; f < mesh.real_faces; ++f)
-        for (int k = 0; k < 3; ++k) visit(mesh.corner[4 * f + k], z(f, k));
+        for (int k = 0; k < 3; ++k) visit(mesh.corner(4 * f + k), z(f, k));
     };
     each([&](Index v, double) { ++first_[v + 1]; });
     for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
@@ -38,8 +38,8 @@ class Heights {
   /// At a place, as a face of the TIN has it.
   double height(Index face, Index place, Point2 p) const {
     for (int k = 0; k < 3; ++k)
-      if (merged_into_[mesh_.corner[4 * face + k]] == place) return nearest(place, z(face, k));
-    const Index* c = &mesh_.corner[4 * face];
+      if (merged_into_[mesh_.corner(4 * face + k)] == place) return nearest(place, z(face, k));
+    const Index* c = mesh_.links[face].corner;
     return nearest(place, height_on_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])},
                                              {z(face, 0), z(face, 1), z(face, 2)}, p));
   }

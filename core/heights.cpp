@@ -28,7 +28,7 @@ double height_at(const CompletedMesh& mesh, const Location& where, Point2 p) {
       break;
   }
   if (!mesh.real(where.index)) return outside;
-  const Index* c = &mesh.corner[4 * where.index];
+  const Index* c = mesh.links[where.index].corner;
   return height_on_triangle({mesh.at(c[0]), mesh.at(c[1]), mesh.at(c[2])}, {mesh.z[c[0]], mesh.z[c[1]], mesh.z[c[2]]},
                             p);
 }
@@ -64,15 +64,15 @@ double FaceHeights::at(Index face, Index vertex, Point2 p) const {
   }
   for (int k = 0; k < 3; ++k) {
     const Index h = 4 * face + k;
-    if (place != none && mesh_.corner[h] == place) return z(face, k);
+    if (place != none && mesh_.corner(h) == place) return z(face, k);
     if (edge == none || mesh_.edge_of(h) != edge) continue;
     // Along the defining half-edge, so that the faces on both sides agree to the last bit.
     int from = k, to = (k + 1) % 3;
     if (mesh_.against(h)) std::swap(from, to);
     return mix(z(face, from), z(face, to),
-               fraction_along(mesh_.at(mesh_.corner[4 * face + from]), mesh_.at(mesh_.corner[4 * face + to]), p));
+               fraction_along(mesh_.at(mesh_.corner(4 * face + from)), mesh_.at(mesh_.corner(4 * face + to)), p));
   }
-  const Index* c = &mesh_.corner[4 * face];
+  const Index* c = mesh_.links[face].corner;
   return height_on_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])}, {z(face, 0), z(face, 1), z(face, 2)}, p);
 }
 
@@ -80,7 +80,7 @@ double FaceHeights::distance(Index face, Point2 p) const {
   double best = std::numeric_limits<double>::infinity();
   bool inside = true;
   for (int k = 0; k < 3; ++k) {
-    const Point2 a = mesh_.at(mesh_.corner[4 * face + k]), b = mesh_.at(mesh_.corner[4 * face + (k + 1) % 3]);
+    const Point2 a = mesh_.at(mesh_.corner(4 * face + k)), b = mesh_.at(mesh_.corner(4 * face + (k + 1) % 3));
     inside = inside && orientation(a, b, p) >= 0;
     double d;
     nearest_on_segment(a, b, p, d);

@@ -43,7 +43,7 @@ class SpokeJoiner {
     for (Index f = 0; f < mesh(0).faces(); ++f) {
       if (arrangement_.shared(f)) continue;
       for (int k = 0; k < 3; ++k)
-        if (const Index j = arrangement_.junction_of[0][mesh(0).corner[4 * f + k]]; j != none) needed_[j] = 1;
+        if (const Index j = arrangement_.junction_of[0][mesh(0).corner(4 * f + k)]; j != none) needed_[j] = 1;
     }
     for (Index j = 0; j < static_cast<Index>(mesh(1).places.size()); ++j)
       if (arrangement_.location[1][j].kind == Location::edge) needed_[arrangement_.junction_of[1][j]] = 1;

@@ -121,7 +121,7 @@ class RegionTracer {
  private:
   std::array<Index, 3> corners_of(const CompletedMesh& mesh, int m, Index f) const {
     const Array<Index>& number = arrangement_.number[m];
-    return {number[mesh.corner[4 * f]], number[mesh.corner[4 * f + 1]], number[mesh.corner[4 * f + 2]]};
+    return {number[mesh.corner(4 * f)], number[mesh.corner(4 * f + 1)], number[mesh.corner(4 * f + 2)]};
   }
 
   /// Follows the border of the region to the left of a piece of face f of A.

@@ -39,7 +39,7 @@ double distance_to_face(const CompletedMesh& mesh, Index face, Point2 p) {
   bool inside = true;
   double least = INFINITY;
   for (int k = 0; k < 3; ++k) {
-    const Point2 a = mesh.at(mesh.corner[4 * face + k]), b = mesh.at(mesh.corner[4 * face + (k + 1) % 3]);
+    const Point2 a = mesh.at(mesh.corner(4 * face + k)), b = mesh.at(mesh.corner(4 * face + (k + 1) % 3));
     inside = inside && orientation(a, b, p) >= 0;
     double d;
     nearest_on_segment(a, b, p, d);
@@ -85,7 +85,7 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
   for (Index v = 0; v < moving; ++v) mesh.points[v] = grid.nearest(completed.at(v));
   Array<Face> before;
   for (Index f = 0; f < completed.faces(); ++f) {
-    mesh.faces.push_back({completed.corner[4 * f], completed.corner[4 * f + 1], completed.corner[4 * f + 2]});
+    mesh.faces.push_back({completed.corner(4 * f), completed.corner(4 * f + 1), completed.corner(4 * f + 2)});
     mesh.labels.push_back(completed.real(f) ? f : none);
     if (completed.real(f)) before.push_back(mesh.faces.back());
   }

@@ -25,7 +25,7 @@ Index near_place(const CompletedMesh& a, Location where, Point2 q, double tolera
   double nearest = tolerance;
   const auto look = [&](Index face) {
     for (int k = 0; k < 3; ++k) {
-      const Index i = a.corner[4 * face + k];
+      const Index i = a.corner(4 * face + k);
       if (i >= a.real_places()) continue;
       const double dx = a.at(i).x - q.x, dy = a.at(i).y - q.y;
       if (std::fabs(dx) > tolerance || std::fabs(dy) > tolerance) continue;  // nearly always
@@ -34,12 +34,12 @@ Index near_place(const CompletedMesh& a, Location where, Point2 q, double tolera
     }
   };
   look(face_at(a, where));
-  if (where.kind == Location::edge && a.twin[where.index] != none) look(a.twin[where.index] >> 2);
+  if (where.kind == Location::edge && a.twin(where.index) != none) look(a.twin(where.index) >> 2);
   return best;
 }
 
 bool positive(const CompletedMesh& mesh, const Array<Point2>& at, Index f) {
-  return orientation(at[mesh.corner[4 * f]], at[mesh.corner[4 * f + 1]], at[mesh.corner[4 * f + 2]]) > 0;
+  return orientation(at[mesh.corner(4 * f)], at[mesh.corner(4 * f + 1)], at[mesh.corner(4 * f + 2)]) > 0;
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
     for (Index f = 0; f < mesh.real_faces; ++f) {
       if (positive(mesh, at, f)) continue;
       for (int k = 0; k < 3; ++k) {
-        const Index j = mesh.corner[4 * f + k];
+        const Index j = mesh.corner(4 * f + k);
         if (partner[j] == none) continue;
         partner[j] = none;
         at[j] = mesh.at(j);
@@ -94,7 +94,7 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
   std::vector<Point2> moved(b.vertices.size());
   for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = plan(b.vertices[v]);
   for (Index f = 0; f < mesh.real_faces; ++f)
-    for (int k = 0; k < 3; ++k) moved[b.faces[mesh.tin_face(f)][k]] = at[mesh.corner[4 * f + k]];
+    for (int k = 0; k < 3; ++k) moved[b.faces[mesh.tin_face(f)][k]] = at[mesh.corner(4 * f + k)];
   try {
     CompletedMesh snapped = complete(b, frame, &moved);
     if (snapped.places.size() != mesh.places.size()) return result;  // two became one: leave B alone
