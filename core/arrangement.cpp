@@ -100,7 +100,7 @@ class Builder {
         if (const Index j = out_.junction_of[m][i]; j != none) out_.vertex_of_junction[j] = out_.number[m][i];
   }
 
-  /// Follows A's edges, a range per thread, and puts the ranges one after the other.
+  /// Follows A's edges, a range per thread. What the first one found is extended by what the others did.
   void walk() {
     // Slivers across slivers can give the square of their number, which no memory holds; the second bound keeps the
     // numbers of nodes within 30 bits.
@@ -108,87 +108,64 @@ class Builder {
     const std::size_t most = std::min<std::size_t>(10'000'000 + 32 * all_places, 400'000'000);
     const Index edges = mesh(0).edges();
     const std::size_t chunk = chunk_for(context_, edges), ranges = (edges + chunk - 1) / chunk;
+    std::vector<Walked> walked(ranges);
+    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
+      const std::size_t r = begin / chunk;
+      walked[r] = walk_edges(out_, refinement_,
+                             {static_cast<Index>(begin), static_cast<Index>(end), r == 0 ? out_.first_crossing : 0,
+                              r == 0 ? edges : static_cast<Index>(end - begin)},
+                             most, context_);
+    });
+    std::vector<WalkedOffset> offset(ranges + 1);
+    for (std::size_t r = 0; r < ranges; ++r) {
+      offset[r + 1] = offset[r].after(walked[r]);
+      if (offset[r + 1].crossings > most) throw too_many_crossings(most);
+    }
+    Walked& all = walked[0];
+    extend(all, offset[ranges], out_.first_crossing);
+    parallel_tasks(context_, ranges - 1,
+                   [&](std::size_t i) { append(all, offset[i + 1], walked[i + 1], out_.first_crossing); });
+    take(std::move(walked));
+  }
+
+  void take(std::vector<Walked> walked) {
+    Walked& all = walked[0];
+    out_.first_corner = out_.first_crossing + static_cast<Index>(all.node_of_crossing.size());
+    out_.lines[0] = {std::move(all.first), std::move(all.nodes)};
+    out_.lines[0].first.push_back(static_cast<Index>(out_.lines[0].nodes.size()));
+    out_.under = std::move(all.under);
+    out_.vertex_of_node = std::move(all.vertex_of_node);
+    along_b_ = std::move(all.along_b);
+    out_.node_of_crossing = std::move(all.node_of_crossing);
+    out_.points = std::move(all.points);
+    for (int m = 0; m < 2; ++m) out_.heights[m] = std::move(all.heights[m]);
     place_in_lines_[0].assign(places(0), none);
     place_in_lines_[1].assign(places(1), none);
     out_.covered.assign(mesh(1).edges(), 0);
-    if (ranges == 1) return take(walk_edges(out_, refinement_, 0, edges, out_.first_crossing, most, context_));
-    std::vector<Walked> walked(ranges);
-    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
-      walked[begin / chunk] =
-          walk_edges(out_, refinement_, static_cast<Index>(begin), static_cast<Index>(end), 0, most, context_);
-    });
-    struct Offset {
-      Index edges = 0, nodes = 0, vertices = 0;
-      std::size_t crossings = 0;
-    };
-    std::vector<Offset> offset(ranges + 1);
-    offset[0].vertices = out_.first_crossing;
-    for (std::size_t r = 0; r < ranges; ++r) {
-      const Walked& w = walked[r];
-      offset[r + 1] = {
-          offset[r].edges + static_cast<Index>(w.first.size()), offset[r].nodes + static_cast<Index>(w.nodes.size()),
-          offset[r].vertices + static_cast<Index>(w.node_of_crossing.size()), offset[r].crossings + w.along_b.size()};
-      if (offset[r + 1].crossings > most) throw too_many_crossings(most);
+    for (const Walked& w : walked) {
       out_.max_move = std::max(out_.max_move, w.max_move);
+      for (const auto& [place, node] : w.touched) place_in_lines_[1][place] = node;
+      for (const Index e : w.covered) out_.covered[e] = 1;
     }
-    const Offset total = offset[ranges];
-    out_.first_corner = total.vertices;
-    out_.lines[0].first.resize(edges + 1);
-    out_.lines[0].first[edges] = total.nodes;
-    out_.lines[0].nodes.resize(total.nodes);
-    out_.under.resize(total.nodes);
-    out_.vertex_of_node.resize(total.nodes);
-    along_b_.resize(total.crossings);
-    out_.node_of_crossing.resize(total.vertices - out_.first_crossing);
-    out_.points.resize(total.vertices + 4);
-    for (auto& z : out_.heights) z.resize(total.vertices + 4);
-    parallel_tasks(context_, ranges, [&](std::size_t r) {
-      const Walked w = std::move(walked[r]);
-      const Offset at = offset[r];
-      const Index vertices = static_cast<Index>(w.node_of_crossing.size());
-      for (std::size_t i = 0; i < w.first.size(); ++i) out_.lines[0].first[at.edges + i] = w.first[i] + at.nodes;
-      std::copy(w.nodes.begin(), w.nodes.end(), out_.lines[0].nodes.begin() + at.nodes);
-      std::copy(w.under.begin(), w.under.end(), out_.under.begin() + at.nodes);
-      for (std::size_t i = 0; i < w.nodes.size(); ++i) {
-        const Index v = w.vertex_of_node[i];  // arbitrary where no crossing stands
-        out_.vertex_of_node[at.nodes + i] = v == none ? none : v + at.vertices;
-      }
-      std::copy(w.along_b.begin(), w.along_b.end(), along_b_.begin() + at.crossings);
-      for (Index i = 0; i < vertices; ++i)
-        out_.node_of_crossing[at.vertices - out_.first_crossing + i] = w.node_of_crossing[i] + at.nodes;
-      std::copy_n(w.points.begin(), vertices, out_.points.begin() + at.vertices);
-      for (int m = 0; m < 2; ++m) std::copy_n(w.heights[m].begin(), vertices, out_.heights[m].begin() + at.vertices);
-      for (const auto& [place, node] : w.touched) place_in_lines_[1][place] = node + at.nodes;
-      for (const Index e : w.covered) std::atomic_ref(out_.covered[e]).store(1, std::memory_order_relaxed);
-    });
   }
 
-  /// The one range that there is.
-  void take(Walked walked) {
-    out_.first_corner = out_.first_crossing + static_cast<Index>(walked.node_of_crossing.size());
-    out_.max_move = walked.max_move;
-    out_.lines[0] = {std::move(walked.first), std::move(walked.nodes)};
-    out_.lines[0].first.push_back(static_cast<Index>(out_.lines[0].nodes.size()));
-    out_.under = std::move(walked.under);
-    out_.vertex_of_node = std::move(walked.vertex_of_node);
-    along_b_ = std::move(walked.along_b);
-    out_.node_of_crossing = std::move(walked.node_of_crossing);
-    out_.points = std::move(walked.points);
-    for (int m = 0; m < 2; ++m) out_.heights[m] = std::move(walked.heights[m]);
-    for (const auto& [place, node] : walked.touched) place_in_lines_[1][place] = node;
-    for (const Index e : walked.covered) out_.covered[e] = 1;
-  }
-
-  /// Sorts what lies on each edge of B along it: by a double parameter, exactly where that cannot tell.
+  /// Sorts what lies on each edge of B along it: by a parameter in single precision, exactly where that cannot
+  /// tell.
   void fill_lines_of_b() {
     const CompletedMesh& b = mesh(1);
     const Index edges = b.edges();
     Array<Index>& first = out_.lines[1].first;
     Array<Index> filled(edges, 0);
-    for (const Node node : out_.lines[0].nodes)
-      if (node.crossing()) ++filled[node.index()];
-    for (Index i = 0; i < places(0); ++i)
-      if (out_.location[0][i].kind == Location::edge) ++filled[b.edge_of(out_.location[0][i].index)];
+    // Every thread goes through all that lies on edges and takes what belongs to its own.
+    const std::size_t chunk = chunk_for(context_, edges);
+    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
+      const auto mine = [&](Index e) { return static_cast<std::size_t>(e) - begin < end - begin; };
+      for (const Node node : out_.lines[0].nodes)
+        if (node.crossing() && mine(node.index())) ++filled[node.index()];
+      each_place_on_edge([&](Index, Index h) {
+        if (const Index e = b.edge_of(h); mine(e)) ++filled[e];
+      });
+    });
     first.resize(edges + 1);
     first[0] = 0;
     for (Index e = 0; e < edges; ++e) {
@@ -198,30 +175,44 @@ class Builder {
     Array<Node>& nodes = out_.lines[1].nodes;
     nodes.resize(first[edges]);
     keys_.resize(first[edges] - 2 * static_cast<std::size_t>(edges));
-    const double* along = along_b_.data();
-    for (std::size_t i = 0; i < out_.lines[0].nodes.size(); ++i) {
-      const Node node = out_.lines[0].nodes[i];
-      if (!node.crossing()) continue;
-      const Index at = filled[node.index()]++;
-      nodes[at] = Node(node.kind(), static_cast<Index>(i));
-      key(node.index(), at) = *along++;
-    }
-    along_b_ = {};
-    for (Index i = 0; i < places(0); ++i)
-      if (out_.location[0][i].kind == Location::edge) {
-        const Index h = out_.location[0][i].index, at = filled[b.edge_of(h)]++;
-        const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h)), p = mesh(0).at(i);
-        nodes[at] = Node(Node::junction, i);  // by its place for now
-        key(b.edge_of(h), at) = by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y);
+    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
+      const auto mine = [&](Index e) { return static_cast<std::size_t>(e) - begin < end - begin; };
+      const auto put = [&](Index e, Node node, float how_far) {
+        const Index at = filled[e]++;
+        nodes[at] = node;
+        key(e, at) = how_far;
+      };
+      const float* along = along_b_.data();
+      for (std::size_t i = 0; i < out_.lines[0].nodes.size(); ++i) {
+        const Node node = out_.lines[0].nodes[i];
+        if (!node.crossing()) continue;
+        if (mine(node.index())) put(node.index(), Node(node.kind(), static_cast<Index>(i)), *along);
+        ++along;
       }
-    parallel_for(context_, edges, chunk_for(context_, edges), [&](std::size_t begin, std::size_t end) {
+      each_place_on_edge([&](Index place, Index h) {
+        const Index e = b.edge_of(h);
+        if (!mine(e)) return;
+        const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h)), p = mesh(0).at(place);
+        put(e, Node(Node::junction, place),  // by its place for now
+            static_cast<float>(by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y)));
+      });
+    });
+    along_b_ = {};
+    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e));
     });
     keys_ = {};
   }
 
   /// How far along edge e of B the node `at` of its line lies, about; ends have none.
-  double& key(Index e, Index at) { return keys_[static_cast<std::size_t>(at) - 2 * static_cast<std::size_t>(e) - 1]; }
+  float& key(Index e, Index at) { return keys_[static_cast<std::size_t>(at) - 2 * static_cast<std::size_t>(e) - 1]; }
+
+  /// visit(place, half-edge of B) for every place of A inside an edge of B.
+  template <class Visit>
+  void each_place_on_edge(Visit&& visit) const {
+    for (Index i = 0; i < places(0); ++i)
+      if (const Location& where = out_.location[0][i]; where.kind == Location::edge) visit(i, where.index);
+  }
 
   static bool by_x(Point2 o, Point2 t) { return std::fabs(t.x - o.x) >= std::fabs(t.y - o.y); }
 
@@ -240,11 +231,11 @@ class Builder {
     if (begin == end) return;
     for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order
       const Node node = nodes[i];
-      const double own = key(e, i);
+      const float own = key(e, i);
       Index j = i;
       for (; j > begin; --j) {
-        const double before = key(e, j - 1);
-        const bool less = std::fabs(own - before) > 4e-12 * std::max(own, before)
+        const float before = key(e, j - 1);
+        const bool less = std::fabs(own - before) > std::max(5e-7f * std::max(own, before), 1e-30f)
                               ? own < before
                               : exact_key(e, node) < exact_key(e, nodes[j - 1]);
         if (!less) break;
@@ -293,8 +284,8 @@ class Builder {
   Refinement refinement_;
   Context& context_;
   Arrangement out_;
-  Array<double> along_b_;  // of crossings in the order of A's lines
-  Array<double> keys_;
+  Array<float> along_b_;  // of crossings in the order of A's lines
+  Array<float> keys_;
   Array<Index> place_in_lines_[2];  // of a place of m inside an edge of the other mesh: its node there
 };
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -17,34 +16,42 @@
 namespace terrane {
 namespace {
 
-/// Gives each vertex the number of its place: equal x and y share one. Open addressing over the bit patterns.
-/// `used`: empty, or which vertices to look at.
+/// Equal places of a canonical TIN are neighbours; of any other they are found by hashing.
+enum class Search { neighbours, everywhere };
+
+/// Gives each vertex the number of its place: equal x and y share one. `used`: empty, or which vertices to look at.
 std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* moved, const std::vector<bool>& used,
-                                 CompletedMesh& mesh) {
+                                 Search search, CompletedMesh& mesh) {
   const std::size_t n = tin.vertices.size();
-  const std::size_t slots = std::bit_ceil(2 * n + 16);
-  std::vector<Index> table(slots, none), place_of(n, none);
+  std::vector<Index> place_of(n, none);
   mesh.places.reserve(n + 4);
   mesh.z.reserve(n + 4);
+  const std::size_t slots = search == Search::everywhere ? std::bit_ceil(2 * n + 16) : 0;
+  std::vector<Index> table(slots, none);  // open addressing over the bit patterns
   for (std::size_t v = 0; v < n; ++v) {
     if (!used.empty() && !used[v]) continue;
     Point2 p = moved ? (*moved)[v] : plan(tin.vertices[v]);
     p.x += 0.0, p.y += 0.0;  // -0 and 0 are one place
-    std::uint64_t hx, hy;
-    std::memcpy(&hx, &p.x, 8);
-    std::memcpy(&hy, &p.y, 8);
-    std::uint64_t key = (hx * 0x9E3779B97F4A7C15ull) ^ std::rotl(hy * 0xC2B2AE3D27D4EB4Full, 31);
-    key *= 0x9E3779B97F4A7C15ull;
-    std::size_t slot = (key >> 20) & (slots - 1);
-    while (table[slot] != none && !(mesh.places[table[slot]] == p)) slot = (slot + 1) & (slots - 1);
-    if (table[slot] == none) {
-      table[slot] = static_cast<Index>(mesh.places.size());
+    const Index next = static_cast<Index>(mesh.places.size());
+    Index place = next;
+    if (search == Search::neighbours) {
+      if (next > 0 && mesh.places.back() == p) place = next - 1;
+    } else {
+      const auto hx = std::bit_cast<std::uint64_t>(p.x), hy = std::bit_cast<std::uint64_t>(p.y);
+      std::uint64_t key = (hx * 0x9E3779B97F4A7C15ull) ^ std::rotl(hy * 0xC2B2AE3D27D4EB4Full, 31);
+      key *= 0x9E3779B97F4A7C15ull;
+      std::size_t slot = (key >> 20) & (slots - 1);
+      while (table[slot] != none && !(mesh.places[table[slot]] == p)) slot = (slot + 1) & (slots - 1);
+      if (table[slot] == none) table[slot] = next;
+      place = table[slot];
+    }
+    place_of[v] = place;
+    if (place == next) {
       mesh.places.push_back(p);
       mesh.z.push_back(tin.vertices[v].z);
-    } else if (mesh.z[table[slot]] != tin.vertices[v].z) {
+    } else if (mesh.z[place] != tin.vertices[v].z) {
       mesh.jumps = true;
     }
-    place_of[v] = table[slot];
   }
   return place_of;
 }
@@ -91,8 +98,9 @@ void pair_real_halves(CompletedMesh& mesh) {
     while (h != none) h = std::exchange(twin(h), none);
 }
 
-/// Fills the rest of the box with ghost faces and links them.
-void add_ghosts(CompletedMesh& mesh, const Box& box) {
+/// Fills the rest of the box with ghost faces and links them. False when the border crosses itself or has two places in
+/// one.
+bool add_ghosts(CompletedMesh& mesh, const Box& box) {
   const Index n = static_cast<Index>(mesh.places.size());
   mesh.places.insert(mesh.places.end(),
                      {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}});
@@ -103,9 +111,7 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
       if (mesh.twin(h) == none) border.push_back({mesh.target(h), mesh.origin(h), h});
   for (Index k = 0; k < 4; ++k) border.push_back({n + k, n + (k + 1) % 4, none});
   const FilledRegion filled = fill_region(mesh.places, border);
-  if (!filled.sound)
-    throw Error(ErrorKind::input, "overlapping-faces",
-                "the border of the surface crosses itself: faces overlap in plan");
+  if (!filled.sound) return false;
   const Index first = mesh.faces();
   for (const Face& f : filled.faces) mesh.links.push_back({{f[0], f[1], f[2]}, {none, none, none}, {}});
   for (std::size_t i = 0; i < filled.faces.size(); ++i)
@@ -118,6 +124,7 @@ void add_ghosts(CompletedMesh& mesh, const Box& box) {
         mesh.links[b >> 2].twin[b & 3] = h;
       }
     }
+  return true;
 }
 
 void number_edges(CompletedMesh& mesh) {
@@ -141,24 +148,33 @@ void number_edges(CompletedMesh& mesh) {
     }
 }
 
-}  // namespace
-
-CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>* moved) {
-  if (tin.faces.size() > 250'000'000)
-    throw Error(ErrorKind::limit, "too-many-faces", "a surface of more than 250 million faces; cut it into tiles");
-  CompletedMesh mesh;
-  add_real_faces(tin, number_places(tin, moved, {}, mesh), mesh);
+/// All but the numbers of edges; false when the border does not bound.
+bool link(const Tin& tin, const Box& box, const std::vector<Point2>* moved, Search search, CompletedMesh& mesh) {
+  mesh = {};
+  add_real_faces(tin, number_places(tin, moved, {}, search, mesh), mesh);
   if (!mesh.face_in_tin.empty()) {  // a free-standing wall may have vertices to itself, which are no places in plan
     std::vector<bool> used(tin.vertices.size(), false);
     for (const Index f : mesh.face_in_tin)
       for (const Index v : tin.faces[f]) used[v] = true;
     if (!std::all_of(used.begin(), used.end(), [](bool u) { return u; })) {
       mesh = {};
-      add_real_faces(tin, number_places(tin, moved, used, mesh), mesh);
+      add_real_faces(tin, number_places(tin, moved, used, search, mesh), mesh);
     }
   }
   pair_real_halves(mesh);
-  add_ghosts(mesh, box);
+  return add_ghosts(mesh, box);
+}
+
+}  // namespace
+
+CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>* moved) {
+  if (tin.faces.size() > 250'000'000)
+    throw Error(ErrorKind::limit, "too-many-faces", "a surface of more than 250 million faces; cut it into tiles");
+  CompletedMesh mesh;
+  // Places that were missed because the TIN is not canonical lie twice on the border, which shows.
+  if (!link(tin, box, moved, Search::neighbours, mesh) && !link(tin, box, moved, Search::everywhere, mesh))
+    throw Error(ErrorKind::input, "overlapping-faces",
+                "the border of the surface crosses itself: faces overlap in plan");
   number_edges(mesh);
   return mesh;
 }

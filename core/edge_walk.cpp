@@ -13,6 +13,8 @@
 namespace terrane {
 namespace {
 
+constexpr std::size_t box_corners = 4;  // room for the caller's last vertices
+
 bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear points: from -> to runs as start -> end?
   if (start.x != end.x) return (to.x > from.x) == (end.x > start.x);
   return (to.y > from.y) == (end.y > start.y);
@@ -20,29 +22,28 @@ bool ahead(Point2 from, Point2 to, Point2 start, Point2 end) {  // of collinear 
 
 class EdgeWalk {
  public:
-  EdgeWalk(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
-           std::size_t most, const Context& context)
+  EdgeWalk(const Arrangement& arrangement, Refinement refinement, const WalkRange& range, std::size_t most,
+           const Context& context)
       : arrangement_(arrangement),
         context_(context),
         a_(*arrangement.mesh[0]),
         b_(*arrangement.mesh[1]),
         paste_(refinement == Refinement::paste),
-        begin_(begin),
-        end_(end),
+        range_(range),
         most_(most),
-        first_vertex_(first_vertex),
-        vertex_count_(first_vertex) {}
+        first_vertex_(range.first_vertex),
+        vertex_count_(range.first_vertex) {}
 
   Walked run() {
-    out_.first.reserve(end_ - begin_ + 1);
-    out_.first.resize(end_ - begin_);
+    out_.first.reserve(range_.edges_to_come + 1);
+    out_.first.resize(range_.end - range_.begin);
     // Terrain gives 2.5 crossings per edge; memory that is never touched costs nothing.
-    grow_nodes(5 * static_cast<std::size_t>(end_ - begin_) + 64);
-    grow_crossings(3 * static_cast<std::size_t>(end_ - begin_) + 64);
-    for (Index e = begin_; e < end_; ++e) {
+    grow_nodes(5 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    grow_crossings(3 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    for (Index e = range_.begin; e < range_.end; ++e) {
       if ((e & 0xFFFF) == 0) context_.stop_if_cancelled();
       if (node_count_ + 64 > node_room_) grow_nodes(2 * node_room_);
-      out_.first[e - begin_] = static_cast<Index>(node_count_);
+      out_.first[e - range_.begin] = static_cast<Index>(node_count_);
       start_line(e);
       if (!paste_ || a_.sides[e] < 2) follow(e);
       push(end_node(0, a_.half[e]));
@@ -59,7 +60,6 @@ class EdgeWalk {
   }
 
  private:
-  static constexpr std::size_t box_corners = 4;  // room for the caller's last vertices
   void grow_nodes(std::size_t room) {
     node_room_ = room;
     out_.nodes.resize(room);
@@ -237,7 +237,7 @@ class EdgeWalk {
     // The nearer end of B's edge is s as often as r: picked without a branch.
     const bool far = to_r > to_s;
     const double t = std::min(to_r, to_s) / (to_r + to_s), along_b[2] = {t, 1 - t};
-    out_.along_b[crossing_count_++] = along_b[far];
+    out_.along_b[crossing_count_++] = static_cast<float>(along_b[far]);
     Index& vertex = out_.vertex_of_node[node_count_];
     const Index node = static_cast<Index>(node_count_);
     push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
@@ -260,7 +260,7 @@ class EdgeWalk {
   const Context& context_;
   const CompletedMesh &a_, &b_;
   bool paste_;
-  Index begin_, end_;
+  WalkRange range_;
   std::size_t most_;
   Walked out_;
   Index first_vertex_;
@@ -281,9 +281,43 @@ Error too_many_crossings(std::size_t most) {
                    " times, far more than terrain does: long thin faces lie across each other; triangulate them anew");
 }
 
-Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
-                  std::size_t most, const Context& context) {
-  return EdgeWalk(arrangement, refinement, begin, end, first_vertex, most, context).run();
+WalkedOffset WalkedOffset::after(const Walked& walked) const {
+  return {edges + static_cast<Index>(walked.first.size()), nodes + static_cast<Index>(walked.nodes.size()),
+          vertices + static_cast<Index>(walked.node_of_crossing.size()), crossings + walked.along_b.size()};
+}
+
+void extend(Walked& all, const WalkedOffset& total, Index first_vertex) {
+  all.first.resize(total.edges);
+  all.nodes.resize(total.nodes);
+  all.under.resize(total.nodes);
+  all.vertex_of_node.resize(total.nodes);
+  all.along_b.resize(total.crossings);
+  all.node_of_crossing.resize(total.vertices);
+  const std::size_t vertices = static_cast<std::size_t>(first_vertex) + total.vertices + box_corners;
+  all.points.resize(vertices);
+  for (auto& z : all.heights) z.resize(vertices);
+}
+
+void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex) {
+  const auto moved = [](const Array<Index>& from, Array<Index>& to, Index offset, Index by) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[offset + i] = from[i] == none ? none : from[i] + by;
+  };
+  const Index vertices = first_vertex + at.vertices;
+  moved(more.first, all.first, at.edges, at.nodes);
+  moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);  // arbitrary where no crossing stands
+  moved(more.node_of_crossing, all.node_of_crossing, at.vertices, at.nodes);
+  std::copy(more.nodes.begin(), more.nodes.end(), all.nodes.begin() + at.nodes);
+  std::copy(more.under.begin(), more.under.end(), all.under.begin() + at.nodes);
+  std::copy(more.along_b.begin(), more.along_b.end(), all.along_b.begin() + static_cast<std::ptrdiff_t>(at.crossings));
+  const std::size_t count = more.node_of_crossing.size();
+  std::copy_n(more.points.begin(), count, all.points.begin() + vertices);
+  for (int m = 0; m < 2; ++m) std::copy_n(more.heights[m].begin(), count, all.heights[m].begin() + vertices);
+  for (auto& [place, node] : more.touched) node += at.nodes;
+}
+
+Walked walk_edges(const Arrangement& arrangement, Refinement refinement, const WalkRange& range, std::size_t most,
+                  const Context& context) {
+  return EdgeWalk(arrangement, refinement, range, most, context).run();
 }
 
 }  // namespace terrane

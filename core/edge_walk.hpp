@@ -13,7 +13,7 @@ struct Walked {
   Array<Node> nodes;   // of a crossing the index is, for now, the edge of B
   Array<Index> under;  // see Arrangement, as the next one
   Array<Index> vertex_of_node;
-  Array<double> along_b;  // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-12
+  Array<float> along_b;  // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-7
   Array<Index> node_of_crossing;  // of those that have a vertex, as all that follows
   Array<Point2> points;
   Array<double> heights[2];
@@ -22,11 +22,29 @@ struct Walked {
   double max_move = 0;
 };
 
-/// Follows edges begin .. end - 1 of A through B from face to face, deciding every step by the side on which a vertex
-/// of B lies: Guibas & Seidel (1987), Jiao & Heath (2004). Reads of `arrangement` the meshes, the locations, the
-/// junctions of places and which places have a vertex. Throws Error{limit, "too-many-crossings"} above `most`.
-Walked walk_edges(const Arrangement& arrangement, Refinement refinement, Index begin, Index end, Index first_vertex,
-                  std::size_t most, const Context& context);
+/// How much the ranges before one found.
+struct WalkedOffset {
+  Index edges = 0, nodes = 0, vertices = 0;
+  std::size_t crossings = 0;
+  WalkedOffset after(const Walked& walked) const;
+};
+
+/// Makes room for all that was found, and copies what a later range found to its place there; the numbers it keeps in
+/// `more` itself follow.
+void extend(Walked& all, const WalkedOffset& total, Index first_vertex);
+void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex);
+
+struct WalkRange {
+  Index begin, end;
+  Index first_vertex;   // numbers of vertices begin here
+  Index edges_to_come;  // how many to make room for
+};
+
+/// Follows a range of A's edges through B from face to face, deciding every step by the side on which a vertex of B
+/// lies: Guibas & Seidel (1987), Jiao & Heath (2004). Reads of `arrangement` the meshes, the locations, the junctions
+/// of places and which places have a vertex. Throws Error{limit, "too-many-crossings"} above `most`.
+Walked walk_edges(const Arrangement& arrangement, Refinement refinement, const WalkRange& range, std::size_t most,
+                  const Context& context);
 
 Error too_many_crossings(std::size_t most);
 

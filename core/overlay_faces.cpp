@@ -163,6 +163,14 @@ class RegionTracer {
         direction = direction ^ static_cast<Index>(node.kind()) ^ static_cast<Index>(!on_a);
         at = node.index() - direction;
         on_a = !on_a;
+      } else if (node.kind() == Node::end) {
+        const int m = on_a ? 0 : 1;
+        const Index h = next_half(node.index());
+        const LinkedFace& face = (on_a ? a_ : b_).links[h >> 2];
+        corners_[count] = arrangement_.number[m][face.corner[h & 3]];
+        const Index edge = face.edge[h & 3];
+        direction = edge & 1;
+        at = arrangement_.lines[m].first[(edge >> 1) + direction] - 2 * direction;
       } else {
         const int m = on_a ? 0 : 1;
         bool straight = false;
@@ -301,10 +309,9 @@ Sink trace_all(const Arrangement& arrangement, Refinement refinement, Context& c
   const std::size_t expected = 2 * static_cast<std::size_t>(arrangement.first_corner) + 64;
   parallel_for(context, count, chunk, [&](std::size_t begin, std::size_t end) {
     Sink& sink = sinks[begin / chunk];
-    if (sinks.size() == 1) {
-      sink.faces.reserve(expected);
-      sink.parents.reserve(expected);
-    }
+    const std::size_t share = begin == 0 ? expected : expected * (end - begin) / count;
+    sink.faces.reserve(share);
+    sink.parents.reserve(share);
     RegionTracer tracer(arrangement, refinement, visited, sink);
     for (std::size_t i = begin; i < end; ++i) {
       if ((i & 0xFFFF) == 0) context.stop_if_cancelled();
@@ -314,23 +321,24 @@ Sink trace_all(const Arrangement& arrangement, Refinement refinement, Context& c
         tracer.face_of_b(static_cast<Index>(i - faces_of_a));
     }
   });
-  if (sinks.size() == 1) return std::move(sinks[0]);
-  Sink all;
+  Sink& all = sinks[0];
   std::vector<std::size_t> offset{0};
   for (const Sink& sink : sinks) {
     offset.push_back(offset.back() + sink.faces.size());
+    if (&sink == &all) continue;
     all.grouped.insert(all.grouped.end(), sink.grouped.begin(), sink.grouped.end());
     all.regions += sink.regions;
     all.all_positive = all.all_positive && sink.all_positive;
   }
   all.faces.resize(offset.back());
   all.parents.resize(offset.back());
-  parallel_tasks(context, sinks.size(), [&](std::size_t i) {
-    const Sink sink = std::move(sinks[i]);
-    std::copy(sink.faces.begin(), sink.faces.end(), all.faces.begin() + offset[i]);
-    std::copy(sink.parents.begin(), sink.parents.end(), all.parents.begin() + offset[i]);
+  parallel_tasks(context, sinks.size() - 1, [&](std::size_t i) {
+    const Sink& sink = sinks[i + 1];
+    std::copy(sink.faces.begin(), sink.faces.end(), all.faces.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
+    std::copy(sink.parents.begin(), sink.parents.end(),
+              all.parents.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
   });
-  return all;
+  return std::move(all);
 }
 
 }  // namespace

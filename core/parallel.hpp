@@ -28,11 +28,10 @@ void parallel_for(const Context &context, std::size_t count, std::size_t chunk, 
   parallel_tasks(context, chunks, [&](std::size_t i) { f(i * chunk, std::min(count, (i + 1) * chunk)); });
 }
 
-/// A chunk for parallel_for when what is computed does not depend on it: all for one thread, a few chunks for each of
-/// several.
-inline std::size_t chunk_for(const Context &context, std::size_t count) {
+/// A chunk for parallel_for where what is computed does not depend on it: one for each thread.
+inline std::size_t chunk_for(const Context& context, std::size_t count) {
   const std::size_t threads = static_cast<std::size_t>(std::max(1, context.threads));
-  return threads == 1 ? std::max<std::size_t>(count, 1) : std::max<std::size_t>(count / (4 * threads) + 1, 4096);
+  return threads == 1 ? std::max<std::size_t>(count, 1) : std::max<std::size_t>(count / threads + 1, 4096);
 }
 
 }  // namespace terrane
