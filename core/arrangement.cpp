@@ -5,6 +5,7 @@
 #include <atomic>
 #include <string>
 
+#include "core/crossing_point.hpp"
 #include "core/edge_walk.hpp"
 #include "core/error.hpp"
 #include "core/exact_place.hpp"
@@ -143,7 +144,6 @@ class Builder {
     place_in_lines_[1].assign(places(1), none);
     out_.covered.assign(mesh(1).edges(), 0);
     for (const Walked& w : walked) {
-      out_.max_move = std::max(out_.max_move, w.max_move);
       for (const auto& [place, node] : w.touched) place_in_lines_[1][place] = node;
       for (const Index e : w.covered) out_.covered[e] = 1;
     }
@@ -198,9 +198,13 @@ class Builder {
       });
     });
     along_b_ = {};
+    std::vector<double> moves((edges + chunk - 1) / chunk, 0);
     parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e));
+      double move = 0;
+      for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e), move);
+      moves[begin / chunk] = move;
     });
+    out_.max_move = *std::max_element(moves.begin(), moves.end());
     keys_ = {};
   }
 
@@ -221,7 +225,8 @@ class Builder {
     return junction != none ? Node(Node::junction, junction) : Node(Node::end, h);
   }
 
-  void sort_line(Index e) {
+  /// `move` becomes the larger of itself and the bound of the rounding on this edge.
+  void sort_line(Index e, double& move) {
     const CompletedMesh& b = mesh(1);
     Array<Node>& nodes = out_.lines[1].nodes;
     const Index begin = out_.lines[1].first[e] + 1, end = out_.lines[1].first[e + 1] - 1;
@@ -229,6 +234,7 @@ class Builder {
     nodes[begin - 1] = end_node(1, b.twin(h), b.origin(h));
     nodes[end] = end_node(1, h, b.target(h));
     if (begin == end) return;
+    if (b.sides[e] > 0) move = larger_bound(move, b.at(b.origin(h)), b.at(b.target(h)));
     for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order
       const Node node = nodes[i];
       const float own = key(e, i);

@@ -15,10 +15,7 @@ inline bool is_long(Point2 r, Point2 s) { return std::max(std::fabs(s.x - r.x), 
 /// fraction t of the way, to 13 digits, at most a half. Coordinates that p q holds constant are kept; never beyond the
 /// ends.
 inline Point2 point_on_segment(Point2 p, Point2 q, Point2 near, Point2 far, double t) {
-  const double x = p.x == q.x ? p.x : near.x + (far.x - near.x) * t;
-  const double y = p.y == q.y ? p.y : near.y + (far.y - near.y) * t;
-  return {std::clamp(x, std::min(near.x, far.x), std::max(near.x, far.x)),
-          std::clamp(y, std::min(near.y, far.y), std::max(near.y, far.y))};
+  return {p.x == q.x ? p.x : near.x + (far.x - near.x) * t, p.y == q.y ? p.y : near.y + (far.y - near.y) * t};
 }
 
 /// `at`, a point_on_segment, to the last digit.

@@ -94,8 +94,6 @@ class EdgeWalk {
     in_face(Arrangement::not_followed);
   }
 
-  double side(Index place) const { return area2_accurate(start_, goal_, b_.at(place)); }
-
   bool ends_in(Index face) const {
     switch (to_.kind) {
       case Location::face:
@@ -120,15 +118,35 @@ class EdgeWalk {
     return none;
   }
 
-  void follow(Index e) {
-    edge_ = e;
+  /// The edge being followed, as numbers that stay in registers.
+  struct Line {
+    Point2 start, goal;
+    double z[2];
+    bool by_x;          // the longer coordinate
+    double per_length;  // 1 / its extent
+    bool leaves_trace;  // its crossings with real edges have a vertex
+
+    double side(Point2 p) const { return area2_accurate(start, goal, p); }
+    /// A's height at a place on the edge, from the nearer end.
+    double height(Point2 p) const {
+      const double u = std::clamp((by_x ? p.x - start.x : p.y - start.y) * per_length, 0.0, 1.0);
+      const bool far = u > 0.5;
+      return z[far] + (z[!far] - z[far]) * std::min(u, 1 - u);
+    }
+  };
+
+  Line line_of(Index e) const {
     const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
-    start_ = a_.at(u), goal_ = a_.at(w);
-    z_[0] = a_.z[u], z_[1] = a_.z[w];
-    const double dx = goal_.x - start_.x, dy = goal_.y - start_.y;
-    by_x_ = std::fabs(dx) >= std::fabs(dy);
-    per_length_ = 1 / (by_x_ ? dx : dy);
-    leaves_trace_ = paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0;
+    const Point2 start = a_.at(u), goal = a_.at(w);
+    const double dx = goal.x - start.x, dy = goal.y - start.y;
+    const bool by_x = std::fabs(dx) >= std::fabs(dy);
+    return {start, goal, {a_.z[u], a_.z[w]}, by_x, 1 / (by_x ? dx : dy), paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0};
+  }
+
+  void follow(Index e) {
+    const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
+    const Line line = line_of(e);
+    const auto side = [&](Index place) { return line.side(b_.at(place)); };
     const Location from = arrangement_.location[0][u];
     to_ = arrangement_.location[0][w];
 
@@ -153,7 +171,7 @@ class EdgeWalk {
       const Index h = from.index;
       const double o = side(b_.origin(h)), t = side(b_.target(h));
       if (o == 0) {  // along the edge
-        const bool onward = ahead(start_, b_.at(b_.target(h)), start_, goal_);
+        const bool onward = ahead(line.start, b_.at(b_.target(h)), line.start, line.goal);
         along_half(onward ? h : b_.twin(h));
         if (to_.kind == Location::edge && to_.index == h) return;
         at_place = onward ? b_.target(h) : b_.origin(h);
@@ -192,7 +210,7 @@ class EdgeWalk {
         for (Index h = b_.out[v]; h != none && !found;) {
           const Index q = b_.target(h);
           const double dq = side(q);
-          if (dq == 0 && ahead(V, b_.at(q), start_, goal_)) {
+          if (dq == 0 && ahead(V, b_.at(q), line.start, line.goal)) {
             along_half(h);
             if (to_.kind == Location::edge && to_.index == b_.half[b_.edge_of(h)]) return;
             at_place = q;
@@ -213,21 +231,14 @@ class EdgeWalk {
         continue;
       }
       const Index g = b_.twin(exit);
-      cross(exit, b_.real(exit >> 2) || b_.real(g >> 2), right, left);
+      cross(line, exit, b_.real(exit >> 2) || b_.real(g >> 2), right, left);
       in_face(g >> 2);
       if (ends_in(g >> 2)) return;
       leave(g);
     }
   }
 
-  /// A's height at a place on the edge, from the nearer end.
-  double height_on_edge(Point2 p) const {
-    const double u = std::clamp((by_x_ ? p.x - start_.x : p.y - start_.y) * per_length_, 0.0, 1.0);
-    const bool far = u > 0.5;
-    return z_[far] + (z_[!far] - z_[far]) * std::min(u, 1 - u);
-  }
-
-  void cross(Index exit, bool real, double right, double left) {
+  void cross(const Line& line, Index exit, bool real, double right, double left) {
     if (crossing_count_ == crossing_room_) {
       if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
@@ -242,18 +253,17 @@ class EdgeWalk {
     const Index node = static_cast<Index>(node_count_);
     push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
     vertex = none;
-    if (!real || !leaves_trace_) return;
+    if (!real || !line.leaves_trace) return;
     const Index ends[2] = {against ? b_.target(exit) : b_.origin(exit), against ? b_.origin(exit) : b_.target(exit)};
     const Index near = ends[far], beyond = ends[!far];
     const Point2 R = b_.at(near), S = b_.at(beyond);
-    const Point2 at = crossing_point(start_, goal_, R, S, t);
+    const Point2 at = crossing_point(line.start, line.goal, R, S, t);
     vertex = static_cast<Index>(vertex_count_);
     out_.points[vertex_count_] = at;
     out_.node_of_crossing[vertex_count_ - first_vertex_] = node;
-    out_.heights[0][vertex_count_] = height_on_edge(at);
+    out_.heights[0][vertex_count_] = line.height(at);
     out_.heights[1][vertex_count_] = b_.z[near] + (b_.z[beyond] - b_.z[near]) * t;
     ++vertex_count_;
-    out_.max_move = larger_bound(out_.max_move, R, S);
   }
 
   const Arrangement& arrangement_;
@@ -265,12 +275,7 @@ class EdgeWalk {
   Walked out_;
   Index first_vertex_;
   std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_room_ = 0, crossing_room_ = 0;
-  // Of the edge being followed:
-  Index edge_ = none;
-  Point2 start_, goal_;
-  double z_[2] = {}, per_length_ = 0;
-  bool by_x_ = false, leaves_trace_ = false;
-  Location to_;
+  Location to_;  // where the edge being followed ends
 };
 
 }  // namespace

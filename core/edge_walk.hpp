@@ -19,7 +19,6 @@ struct Walked {
   Array<double> heights[2];
   std::vector<std::array<Index, 2>> touched;  // places of B inside edges of A, each with its node
   std::vector<Index> covered;                 // edges of B along which a piece lies
-  double max_move = 0;
 };
 
 /// How much the ranges before one found.

@@ -101,21 +101,21 @@ class RegionTracer {
   void whole(int m, Index f) {
     const CompletedMesh& mesh = *arrangement_.mesh[m];
     const Lines& lines = arrangement_.lines[m];
-    corners_.clear();
-    straight_.clear();
+    whole_corners_.clear();
+    whole_straight_.clear();
     for (int k = 0; k < 3; ++k) {
       const Index h = 4 * f + k, e = mesh.edge_of(h), inside = lines.pieces(e) - 1;
-      corners_.push_back(arrangement_.number[m][mesh.origin(h)]);
-      straight_.push_back(false);
+      whole_corners_.push_back(arrangement_.number[m][mesh.origin(h)]);
+      whole_straight_.push_back(false);
       for (Index i = 0; i < inside; ++i) {
         const Index at = mesh.against(h) ? lines.first[e + 1] - 2 - i : lines.first[e] + 1 + i;
         const Index v = arrangement_.vertex(m, at);
         if (v == none) continue;
-        corners_.push_back(v);
-        straight_.push_back(true);
+        whole_corners_.push_back(v);
+        whole_straight_.push_back(true);
       }
     }
-    emit_convex(m == 0 ? f : none, m == 1 ? f : none, corners_, straight_);
+    emit_convex(m == 0 ? f : none, m == 1 ? f : none, whole_corners_, whole_straight_);
   }
 
  private:
@@ -138,51 +138,55 @@ class RegionTracer {
   }
 
   /// The same where there is nothing to it but corners: the innermost loop of the overlay, so the piece it stands on is
-  /// three local numbers. It walks to and fro between pieces of A and of B.
+  /// three local numbers and all arrays are local pointers. It walks to and fro between pieces of A and of B.
   void trace_in_both(Index f, Index g, const Piece& start) {
     const Node *const nodes_a = arrangement_.lines[0].nodes.data(), *const nodes_b = arrangement_.lines[1].nodes.data();
+    const Index *const first_a = arrangement_.lines[0].first.data(), *const first_b =
+                                                                         arrangement_.lines[1].first.data();
+    const Index *const number_a = arrangement_.number[0].data(), *const number_b = arrangement_.number[1].data();
+    const LinkedFace *const faces_a = a_.links.data(), *const faces_b = b_.links.data();
     const Index* const vertex_of_node = arrangement_.vertex_of_node.data();
     std::uint8_t* const visited = visited_.data();
-    const std::size_t first = 2 * static_cast<std::size_t>(start.at) + start.direction;
-    std::size_t count = 0;
+    Index* corners = corners_.data();
+    std::size_t count = 0, room = corners_.size();
     bool bends = true;  // everywhere
     bool on_a = true;
     Index at = start.at, direction = start.direction;
-    for (;;) {
-      if (on_a) {
-        const std::size_t number = 2 * static_cast<std::size_t>(at) + direction;
-        if (count > 0 && number == first) break;
-        visited[number] = 1;
+    do {
+      if (on_a) visited[2 * static_cast<std::size_t>(at) + direction] = 1;
+      if (count == room) {
+        room = 2 * count + 16;
+        corners_.resize(room);
+        straight_.resize(room, 0);
+        corners = corners_.data();
       }
-      if (count == corners_.size()) corners_.resize(2 * count + 16), straight_.resize(2 * count + 16);
       const Index head = at + 1 - direction;
       const Node node = (on_a ? nodes_a : nodes_b)[head];
-      straight_[count] = 0;
+      const Index index = node.index();
       if (node.crossing()) {
-        corners_[count] = vertex_of_node[on_a ? head : node.index()];
+        corners[count] = vertex_of_node[on_a ? head : index];
         direction = direction ^ static_cast<Index>(node.kind()) ^ static_cast<Index>(!on_a);
-        at = node.index() - direction;
+        at = index - direction;
         on_a = !on_a;
       } else if (node.kind() == Node::end) {
-        const int m = on_a ? 0 : 1;
-        const Index h = next_half(node.index());
-        const LinkedFace& face = (on_a ? a_ : b_).links[h >> 2];
-        corners_[count] = arrangement_.number[m][face.corner[h & 3]];
+        const Index h = next_half(index);
+        const LinkedFace& face = (on_a ? faces_a : faces_b)[h >> 2];
+        corners[count] = (on_a ? number_a : number_b)[face.corner[h & 3]];
         const Index edge = face.edge[h & 3];
         direction = edge & 1;
-        at = arrangement_.lines[m].first[(edge >> 1) + direction] - 2 * direction;
+        at = (on_a ? first_a : first_b)[(edge >> 1) + direction] - 2 * direction;
       } else {
         const int m = on_a ? 0 : 1;
         bool straight = false;
-        corners_[count] = arrangement_.vertex(m, head);
+        corners[count] = arrangement_.vertex(m, head);
         const Piece piece = arrangement_.next({m, at, direction}, straight);
         on_a = piece.mesh == 0, at = piece.at, direction = piece.direction;
-        bends = bends && !straight;
-        straight_[count] = straight;
+        if (straight) straight_[count] = 1, bends = false;
       }
       ++count;
-    }
-    emit_convex(f, g, {corners_.data(), count}, {straight_.data(), bends ? 0 : count});
+    } while (!(on_a && at == start.at && direction == start.direction));
+    emit_convex(f, g, {corners, count}, {straight_.data(), bends ? 0 : count});
+    if (!bends) std::fill_n(straight_.begin(), count, 0);  // all 0 between regions
   }
 
   void visit(const Piece& piece) {
@@ -195,11 +199,11 @@ class RegionTracer {
     sink_.faces.resize(first + count);
     sink_.parents.resize(first + count);
     std::array<Index, 2>* parents = sink_.parents.data() + first;
-    for (std::size_t i = 0; i < count; ++i) parents[i][0] = a, parents[i][1] = b;
     Face* face = sink_.faces.data() + first;
     const bool positive = triangulator_.run(corners, straight, points_, [&](Index u, Index v, Index w) {
       (*face)[0] = u, (*face)[1] = v, (*face)[2] = w;
-      ++face;
+      (*parents)[0] = a, (*parents)[1] = b;
+      ++face, ++parents;
     });
     sink_.all_positive = sink_.all_positive && positive;
   }
@@ -229,8 +233,8 @@ class RegionTracer {
   std::span<std::uint8_t> visited_;
   const Point2* points_;
   Sink& sink_;
-  std::vector<Index> corners_;
-  std::vector<std::uint8_t> straight_;
+  std::vector<Index> corners_, whole_corners_;  // buffers
+  std::vector<std::uint8_t> straight_, whole_straight_;
   ConvexTriangulator triangulator_;
 };
 
@@ -301,26 +305,34 @@ class GroupFiller {
 
 /// Every face of A, then every face of B, in ranges.
 Sink trace_all(const Arrangement& arrangement, Refinement refinement, Context& context) {
-  const std::size_t faces_of_a = arrangement.mesh[0]->faces(), faces_of_b = arrangement.mesh[1]->faces();
-  const std::size_t count = faces_of_a + faces_of_b, chunk = chunk_for(context, count);
+  const std::size_t count[2] = {static_cast<std::size_t>(arrangement.mesh[0]->faces()),
+                                static_cast<std::size_t>(arrangement.mesh[1]->faces())};
+  const std::size_t chunk[2] = {chunk_for(context, count[0]), chunk_for(context, count[1])};
+  const std::size_t ranges[2] = {(count[0] - 1) / chunk[0] + 1, (count[1] - 1) / chunk[1] + 1};
+  const bool alone = ranges[0] + ranges[1] == 2;  // then both ranges, one after the other, share a sink
   Array<std::uint8_t> visited(2 * arrangement.lines[0].nodes.size(), 0);
-  std::vector<Sink> sinks((count + chunk - 1) / chunk);
+  std::vector<Sink> sinks(alone ? 1 : ranges[0] + ranges[1]);
   // What general position gives; memory that is never touched costs nothing.
   const std::size_t expected = 2 * static_cast<std::size_t>(arrangement.first_corner) + 64;
-  parallel_for(context, count, chunk, [&](std::size_t begin, std::size_t end) {
-    Sink& sink = sinks[begin / chunk];
-    const std::size_t share = begin == 0 ? expected : expected * (end - begin) / count;
-    sink.faces.reserve(share);
-    sink.parents.reserve(share);
-    RegionTracer tracer(arrangement, refinement, visited, sink);
-    for (std::size_t i = begin; i < end; ++i) {
-      if ((i & 0xFFFF) == 0) context.stop_if_cancelled();
-      if (i < faces_of_a)
-        tracer.face_of_a(static_cast<Index>(i));
-      else
-        tracer.face_of_b(static_cast<Index>(i - faces_of_a));
-    }
-  });
+  for (int m = 0; m < 2; ++m)
+    parallel_for(context, count[m], chunk[m], [&](std::size_t begin, std::size_t end) {
+      Sink& place = sinks[alone ? 0 : m * ranges[0] + begin / chunk[m]];
+      Sink sink = std::move(place);  // on this thread's own cache lines while it grows
+      if (m == 0) {
+        const std::size_t share = begin == 0 ? expected : expected / ranges[0];
+        sink.faces.reserve(share);
+        sink.parents.reserve(share);
+      }
+      RegionTracer tracer(arrangement, refinement, visited, sink);
+      for (std::size_t f = begin; f < end; ++f) {
+        if ((f & 0xFFFF) == 0) context.stop_if_cancelled();
+        if (m == 0)
+          tracer.face_of_a(static_cast<Index>(f));
+        else
+          tracer.face_of_b(static_cast<Index>(f));
+      }
+      place = std::move(sink);
+    });
   Sink& all = sinks[0];
   std::vector<std::size_t> offset{0};
   for (const Sink& sink : sinks) {
