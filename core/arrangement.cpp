@@ -49,12 +49,11 @@ class Builder {
   Index places(int m) const { return static_cast<Index>(mesh(m).places.size()); }
 
   void locate_a() {
-    std::vector<Index> partner(places(0), none);  // place of B on a place of A
+    out_.location[0].assign(places(0), {});
     for (Index j = 0; j < places(1); ++j)
-      if (const Location& where = out_.location[1][j]; where.kind == Location::place) partner[where.index] = j;
-    out_.location[0] = locate_places(mesh(0), mesh(1), context_);
-    for (Index i = 0; i < places(0); ++i)
-      if (partner[i] != none) out_.location[0][i] = {Location::place, partner[i]};
+      if (const Location& where = out_.location[1][j]; where.kind == Location::place)
+        out_.location[0][where.index] = {Location::place, j};
+    locate_places(mesh(0), mesh(1), out_.location[0], context_);
   }
 
   /// Does a place of B leave a trace? In a paste only those outside A and on its border do.

@@ -216,17 +216,22 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
   }
 }
 
-Array<Location> locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Context& context) {
-  const Index n = static_cast<Index>(mesh.places.size());
-  Array<Location> location(n);
+void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<Location>& location, Context& context) {
+  const std::size_t n = mesh.places.size();
   parallel_for(context, n, chunk_for(context, n), [&](std::size_t begin, std::size_t end) {
-    Index hint = 0;
+    Index hint = 0, next_place = 0;  // surfaces that share places mostly have them in one order
     for (std::size_t i = begin; i < end; ++i) {
-      location[i] = locate(other, mesh.at(static_cast<Index>(i)), hint);
+      const Point2 q = mesh.at(static_cast<Index>(i));
+      if (location[i].index == none) {
+        if (next_place < other.real_places() && other.at(next_place) == q)
+          location[i] = {Location::place, next_place};
+        else
+          location[i] = locate(other, q, hint);
+      }
       hint = face_at(other, location[i]);
+      if (location[i].kind == Location::place) next_place = location[i].index + 1;
     }
   });
-  return location;
 }
 
 Index face_at(const CompletedMesh& mesh, Location location) {

@@ -73,8 +73,8 @@ struct Location {
 /// Finds `q`, walking from `hint` (a face). Expected O(1) when the hint is near. `q` must lie in the box.
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint);
 
-/// Where every place of `mesh` lies in `other`.
-Array<Location> locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Context& context);
+/// Fills in where every place of `mesh` lies in `other`, for those whose location has no index yet.
+void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<Location>& location, Context& context);
 
 /// A face that touches a location, to start the next walk from.
 Index face_at(const CompletedMesh& mesh, Location location);

@@ -39,18 +39,18 @@ class SpokeJoiner {
   const CompletedMesh& mesh(int m) const { return *arrangement_.mesh[m]; }
 
   void mark_needed() {
-    needed_.assign(arrangement_.vertex_of_junction.size(), 1);
-    for (Index i = 0; i < mesh(0).real_places(); ++i) {
-      const Index junction = arrangement_.junction_of[0][i];
-      if (junction == none || arrangement_.location[0][i].kind == Location::edge) continue;
-      bool all_shared = true;
-      for (Index h = mesh(0).out[i];;) {
-        all_shared = arrangement_.shared(h >> 2);
-        h = mesh(0).rotate(h);
-        if (!all_shared || h == mesh(0).out[i]) break;
-      }
-      needed_[junction] = !all_shared;
+    needed_.assign(arrangement_.vertex_of_junction.size(), 0);
+    const Array<Index>* junction_of = arrangement_.junction_of;
+    for (Index f = 0; f < mesh(0).faces(); ++f) {
+      const Index* corner = mesh(0).links[f].corner;
+      const Index junctions[3] = {junction_of[0][corner[0]], junction_of[0][corner[1]], junction_of[0][corner[2]]};
+      if ((junctions[0] & junctions[1] & junctions[2]) == none) continue;
+      if (arrangement_.shared(f)) continue;
+      for (const Index junction : junctions)
+        if (junction != none) needed_[junction] = 1;
     }
+    for (Index j = 0; j < static_cast<Index>(mesh(1).places.size()); ++j)
+      if (arrangement_.location[1][j].kind == Location::edge) needed_[junction_of[1][j]] = 1;
   }
 
   void join(int m, Index place, const Location& where) {

@@ -47,7 +47,8 @@ bool positive(const CompletedMesh& mesh, const Array<Point2>& at, Index f) {
 Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, const CompletedMesh& a, double tolerance,
                     Context& context) {
   Snapped result;
-  result.location = locate_places(completed, a, context);
+  result.location.assign(completed.places.size(), {});
+  locate_places(completed, a, result.location, context);
   result.mesh = std::move(completed);
   const CompletedMesh& mesh = result.mesh;
   const Index n = static_cast<Index>(mesh.places.size());
