@@ -2,7 +2,6 @@
 #include "core/arrangement.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <string>
 
 #include "core/crossing_point.hpp"
@@ -102,10 +101,12 @@ class Builder {
 
   /// Follows A's edges, a range per thread. What the first one found is extended by what the others did.
   void walk() {
-    // Slivers across slivers can give the square of their number, which no memory holds; the second bound keeps the
-    // numbers of nodes within 30 bits.
+    // Terrain gives 4 crossings per place. Slivers across slivers can give the square of their number, which no memory
+    // holds; the second bound keeps the numbers of nodes within 30 bits.
     const std::size_t all_places = static_cast<std::size_t>(places(0)) + static_cast<std::size_t>(places(1));
-    const std::size_t most = std::min<std::size_t>(10'000'000 + 32 * all_places, 400'000'000);
+    const std::size_t ends = 2 * static_cast<std::size_t>(std::max(mesh(0).edges(), mesh(1).edges()));
+    const std::size_t numbers = (std::size_t{1} << 30) - 1;
+    const std::size_t most = std::min(10'000'000 + 32 * all_places, numbers - std::min(numbers, ends + all_places));
     const Index edges = mesh(0).edges();
     const std::size_t chunk = chunk_for(context_, edges), ranges = (edges + chunk - 1) / chunk;
     std::vector<Walked> walked(ranges);

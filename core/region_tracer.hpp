@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/arrangement.hpp"
+#include "core/convex.hpp"
+
+// From the lines of an arrangement to its regions, a range of faces at a time.
+namespace terrane {
+
+/// A piece of the border of a region that ghost edges cut up.
+struct GroupedPiece {
+  Index group;
+  Piece piece;
+};
+
+/// What the faces of one range gave.
+struct Traced {
+  Array<Face> faces;
+  Array<std::array<Index, 2>> parents;
+  std::vector<GroupedPiece> grouped;
+  Index regions = 0;
+  bool all_positive = true;
+};
+
+/// Groups: a face of A without B is its number, a face of B without A comes after those, then the exterior.
+struct Groups {
+  Index faces_of_a, exterior;
+  explicit Groups(const Arrangement& arrangement)
+      : faces_of_a(arrangement.mesh[0]->faces()), exterior(faces_of_a + arrangement.mesh[1]->faces()) {}
+  Index of(Index a, Index b) const { return a != none ? a : b != none ? faces_of_a + b : exterior; }
+  std::array<Index, 2> parents(Index group) const {
+    if (group < faces_of_a) return {group, none};
+    return {none, group < exterior ? group - faces_of_a : none};
+  }
+};
+
+/// Traces the regions of a range of faces and triangulates those that are convex.
+class RegionTracer {
+ public:
+  RegionTracer(const Arrangement& arrangement, Refinement refinement, std::span<std::uint8_t> visited, Traced& sink)
+      : arrangement_(arrangement),
+        a_(*arrangement.mesh[0]),
+        b_(*arrangement.mesh[1]),
+        groups_(arrangement),
+        paste_(refinement == Refinement::paste),
+        visited_(visited),
+        points_(arrangement.points.data()),
+        sink_(sink) {}
+
+  /// All regions in a face of A that touch its border.
+  void face_of_a(Index f);
+
+  /// A face of B that no piece of A touches or enters lies in one face of A.
+  void face_of_b(Index g);
+
+  /// A whole face of m, with the vertices of the other mesh that stay on its edges.
+  void whole(int m, Index f);
+
+ private:
+  std::array<Index, 3> corners_of(const CompletedMesh& mesh, int m, Index f) const;
+
+  /// Follows the border of the region to the left of a piece of face f of A.
+  void trace(Index f, const Piece& start);
+
+  /// The same where there is nothing to it but corners: the innermost loop of the overlay, so the piece it stands on is
+  /// three local numbers and all arrays are local pointers. It walks to and fro between pieces of A and of B.
+  void trace_in_both(Index f, Index g, const Piece& start);
+  void visit(const Piece& piece);
+
+  void emit_convex(Index a, Index b, std::span<const Index> corners, std::span<const std::uint8_t> straight);
+
+  /// The edge of face f of mesh m that a piece is part of.
+  Index edge_of(int m, Index f, const Piece& piece) const;
+
+  /// Notes a piece of the border of a region outside A or B, unless it is a ghost edge's.
+  void group(Index f, Index g, const Piece& piece);
+
+  const Arrangement& arrangement_;
+  const CompletedMesh &a_, &b_;
+  Groups groups_;
+  bool paste_;
+  std::span<std::uint8_t> visited_;
+  const Point2* points_;
+  Traced& sink_;
+  std::vector<Index> corners_, whole_corners_;  // buffers
+  std::vector<std::uint8_t> straight_, whole_straight_;
+  ConvexTriangulator triangulator_;
+};
+
+}  // namespace terrane
