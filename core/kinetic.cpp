@@ -6,7 +6,7 @@
 #include <cstring>
 #include <random>
 
-#include "core/kinetic_leg.hpp"
+#include "core/kinetic_places.hpp"
 
 namespace terrane {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/kinetic_leg.hpp"
+#include "core/kinetic_places.hpp"
 
 #include <cmath>
 #include <limits>
