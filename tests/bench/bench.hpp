@@ -6,7 +6,8 @@
 
 #include "io/format.hpp"
 
-// What the subcommands of terrane-bench share. Each times one thing in memory and prints one line of JSON.
+// What the subcommands of terrane-bench share. Each times one thing in memory, or makes a file to be timed,
+// and prints one line of JSON.
 namespace terrane::bench {
 
 /// Words of a subcommand: files, and `--name value` or `--name` for options.
@@ -36,7 +37,9 @@ Dataset read(const std::string& path);
 Tin read_tin(const std::string& path);
 Raster read_raster(const std::string& path);
 
+int dem(Words words);
 int files(Words words);
+int mesh(Words words);
 int overlay(Words words);
 int triangulate(Words words);
 int rasterize(Words words);

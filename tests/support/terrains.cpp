@@ -139,6 +139,16 @@ Tin jittered(Tin tin, double amount, bool border_too, std::uint64_t seed) {
   return put_back(std::move(tin), original);
 }
 
+Tin edited(Tin tin, double amount, std::uint64_t seed) {
+  Random random(seed);
+  const Tin original = tin;
+  for (Point& p : tin.vertices) {
+    if (std::max(std::fabs(p.x - side / 2), std::fabs(p.y - side / 2)) > side / 10) continue;
+    for (double* v : {&p.x, &p.y, &p.z}) *v += uniform(random, -amount, amount);
+  }
+  return put_back(std::move(tin), original);
+}
+
 Tin ulp_copy(Tin tin, bool border_too, std::uint64_t seed) {
   Random random(seed);
   for (Point& p : tin.vertices) {

@@ -28,6 +28,10 @@ Tin patch(double x, double y, int n, int m, double cell, double lift = 0);
 /// `border_too`.
 Tin jittered(Tin tin, double amount, bool border_too, std::uint64_t seed = 5);
 
+/// Moves the vertices of the 4 % of the square around its centre by up to `amount` in x, y and z, as far as faces stay
+/// positive: two epochs of a survey.
+Tin edited(Tin tin, double amount, std::uint64_t seed = 13);
+
 /// Moves coordinates by -1, 0 or +1 ulp; those on the square's border only with `border_too`.
 Tin ulp_copy(Tin tin, bool border_too, std::uint64_t seed = 7);
 
