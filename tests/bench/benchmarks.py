@@ -33,6 +33,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--quick', action='store_true', help='smaller sizes: minutes, and nothing is judged')
     parser.add_argument('--points', type=int, help='tiny sizes from this many points: proves that it runs')
+    parser.add_argument('--rounds', type=int, help='runs of each measurement')
     parser.add_argument('--only', action='append', choices=SECTIONS, help='this section only')
     parser.add_argument('--build', default=os.path.join(ROOT, 'build/release'), help='where the programs are')
     parser.add_argument('--output', default=os.path.join(ROOT, 'docs'), help='folder of the document and its plots')
@@ -43,6 +44,7 @@ def main():
         runner = Runner(options.build, scratch)
         folder = os.environ.get('TERRANE_BASELINES') or os.path.join(ROOT, '../shared/reference')
         wanted = sizes(options)
+        wanted.rounds = max(1, options.rounds or wanted.rounds)
         subject = Subject(runner, Baselines(runner, os.path.abspath(folder)), wanted, options.output)
         written = []
         for name in options.only or SECTIONS:

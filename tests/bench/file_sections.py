@@ -30,9 +30,9 @@ def rasters(subject):
     size, rounds = subject.sizes.dem, subject.sizes.rounds
     (a, theirs), (b, _) = _dem(subject, 3), _dem(subject, 4)
     section = Section('Rasters', f'A fractal DEM of {size}² samples '
-                      f'(of {"make_dem.py" if theirs else "`terrane-bench dem`"}) to a TIN nowhere further than 1 m, every '
-                      'sample checked; a TIN to heights on a lattice; and the difference of two such DEMs, as rasters '
-                      'and as TINs in binary PLY, whole processes side by side.')
+                      f'(of {"make_dem.py" if theirs else "`terrane-bench dem`"}) to a TIN nowhere further than 1 m, '
+                      'every sample checked; a TIN to heights on a lattice; and the difference of two such DEMs, as '
+                      'rasters and as TINs in binary PLY, whole processes side by side.')
     section.table = [['', 'seconds (median)', '']]
     judged = not subject.sizes.scaled and theirs
     said = {}
@@ -83,10 +83,11 @@ def _difference(subject, section, a, b):
             raise NotRun('gdal_calc.py is not installed')
         return runner.run(calc, '-A', a, '-B', b, '--calc=A-B', '--overwrite', '--quiet',
                           f'--outfile={runner.file("difference.tif")}')[1]
+
+    def with_tins():
+        return runner.terrane('subtract', *tins, '--force', '-o', runner.file('difference.ply'))[0]
     ours, theirs = 'difference of TINs (terrane subtract)', 'difference of rasters (gdal_calc.py)'
-    times, absent = subject.take_turns(
-        {ours: lambda: runner.terrane('subtract', *tins, '--force', '-o', runner.file('difference.ply'))[0], theirs: with_rasters},
-        subject.sizes.rounds)
+    times, absent = subject.take_turns({ours: with_tins, theirs: with_rasters}, subject.sizes.rounds)
     for name, measured in times.items():
         section.table.append([name, str(measured), ''])
     if absent:
@@ -101,8 +102,9 @@ def files(subject):
     mesh = runner.mesh(f'terrain1-{points}', '--points', points, '--seed', 1)
     runner.progress('reading and writing')
     said = runner.bench('files', mesh, runner.scratch, '--threads', subject.cores, '--repeat', subject.sizes.rounds)
-    section = Section('Files', f'{said["faces"]:,} faces, {subject.cores} thread(s), from and to the page cache. Memory '
-                      'is the peak beside what was there before, in sizes of the mesh; of reading it holds the mesh.')
+    section = Section('Files', f'{said["faces"]:,} faces, {subject.cores} thread(s), from and to the page cache. '
+                      'Memory is the peak beside what was there before, in sizes of the mesh; of reading it holds the '
+                      'mesh.')
     section.table = [['', 'MB', 'write, MB/s', 'read, MB/s', 'memory of writing', 'memory of reading']]
     judged = not subject.sizes.scaled
     for name in (n for n, value in said.items() if isinstance(value, dict)):

@@ -64,7 +64,10 @@ class Runner:
         words = [str(word) for word in words]
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             begin = time.monotonic()
-            process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=self.scratch)
+            try:
+                process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=out, stderr=err, cwd=self.scratch)
+            except OSError as reason:
+                raise NotRun(f'`{os.path.basename(words[0])}`: {reason.strerror}') from reason
             _, status, usage = os.wait4(process.pid, 0)
             wall = time.monotonic() - begin
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -73,7 +76,8 @@ class Runner:
             if process.returncode != 0:
                 complaint = err.read().decode(errors='replace').strip().splitlines()
                 command = shlex.join(map(os.path.basename, words[:3]))
-                raise NotRun(f'`{command} …` ended with {process.returncode}: {complaint[-1] if complaint else "no word"}')
+                last = complaint[-1] if complaint else 'no word'
+                raise NotRun(f'`{command} …` ended with {process.returncode}: {last}')
             return out.read().decode(), wall, usage.ru_maxrss * 1024
 
     def bench(self, *words):

@@ -15,8 +15,9 @@ def _text(x, y, words, anchor='start'):
 
 def _save(path, width, height, title, body):
     with open(path, 'w', encoding='utf-8') as file:
-        file.write('\n'.join([f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
-                              f'height="{height}" role="img"><title>{escape(title)}</title>{STYLE}', *body, '</svg>\n']))
+        size = f'viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
+        head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img"><title>{escape(title)}</title>{STYLE}'
+        file.write('\n'.join([head, *body, '</svg>\n']))
 
 
 def _power(value):
@@ -39,7 +40,7 @@ def growth(path, title, across, up, series):
         up_share = (math.log10(y) - span[1][0]) / (span[1][1] - span[1][0])
         return left + across_share * (width - left - right), height - bottom - up_share * (height - top - bottom)
 
-    body = [_text(left, 22, title)]
+    body = [_text(left, 20, f'{title}; {up}')]
     for decade in range(span[0][0], span[0][1] + 1):
         x, y = place(10.0**decade, 10.0**span[1][0])
         body += [f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{top}" y2="{y:.1f}"/>',
@@ -48,8 +49,7 @@ def growth(path, title, across, up, series):
         x, y = place(10.0**span[0][0], 10.0**decade)
         body += [f'<line class="grid" x1="{x:.1f}" x2="{width - right}" y1="{y:.1f}" y2="{y:.1f}"/>',
                  _text(x - 8, y + 4, _power(10.0**decade), 'end')]
-    body += [_text((left + width - right) / 2, height - 10, across, 'middle'),
-             _text(width - right + 10, 22, up)]
+    body.append(_text((left + width - right) / 2, height - 10, across, 'middle'))
     taken = -math.inf
     for (name, power, line), colour in sorted(zip(series, 'ab'), key=lambda s: -s[0][2][-1][1]):
         placed = [place(x, y) for x, y in line]

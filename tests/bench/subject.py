@@ -16,7 +16,7 @@ class Sizes:
     dem: int = 4097
     raster: int = 4097
     file_points: int = 2_250_000
-    rounds: int = 3
+    rounds: int = 5
     scaled: str = ''  # why bounds are not judged, empty where they are
 
 

@@ -27,8 +27,9 @@ awk -F'|' '!/^\|/ { columns = 0; next } columns && NF != columns { print; exit 1
   "$work/out/benchmarks.md" || fail "a table is torn"
 for plot in overlay growth; do
   has "](benchmarks-$plot.svg)"
-  python3 -c 'import sys, xml.etree.ElementTree as x; sys.exit(not x.parse(sys.argv[1]).getroot().tag.endswith("svg"))' \
-    "$work/out/benchmarks-$plot.svg" || fail "benchmarks-$plot.svg is no SVG"
+  python3 -c 'import sys, xml.etree.ElementTree as xml
+sys.exit(not xml.parse(sys.argv[1]).getroot().tag.endswith("svg"))' "$work/out/benchmarks-$plot.svg" ||
+    fail "benchmarks-$plot.svg is no SVG"
 done
 
 mkdir "$work/baselines"
