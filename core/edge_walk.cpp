@@ -79,7 +79,10 @@ class EdgeWalk {
     const Index junction = arrangement_.junction_of[m][mesh.target(h)];
     return junction != none ? Node(Node::junction, junction) : Node(Node::end, h);
   }
-  void push(Node node) { out_.nodes[node_count_++] = node; }
+  void push(Node node) {
+    out_.vertex_of_node[node_count_] = none;
+    out_.nodes[node_count_++] = node;
+  }
   /// The piece that begins at the last node lies in a face of B, or along one of its half-edges.
   void in_face(Index face) { out_.under[node_count_ - 1] = face; }
   void along_half(Index h) {
@@ -260,7 +263,6 @@ class EdgeWalk {
     Index& vertex = out_.vertex_of_node[node_count_];
     const Index node = static_cast<Index>(node_count_);
     push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
-    vertex = none;
     if (!real || !line.leaves_trace) return;
     const Index ends[2] = {against ? b_.target(exit) : b_.origin(exit), against ? b_.origin(exit) : b_.target(exit)};
     const Index near = ends[far], beyond = ends[!far];
@@ -318,7 +320,7 @@ void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_verte
   };
   const Index vertices = first_vertex + at.vertices;
   moved(more.first, all.first, at.edges, at.nodes);
-  moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);  // arbitrary where no crossing stands
+  moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);
   moved(more.node_of_crossing, all.node_of_crossing, at.vertices, at.nodes);
   std::copy(more.nodes.begin(), more.nodes.end(), all.nodes.begin() + at.nodes);
   std::copy(more.under.begin(), more.under.end(), all.under.begin() + at.nodes);
