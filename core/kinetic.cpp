@@ -14,7 +14,7 @@ namespace {
 class Kinetic {
  public:
   Kinetic(MeshEditor& editor, const std::function<ExactPlace(Index)>& place)
-      : editor_(editor), places_(editor.mesh().points, place) {}
+      : editor_(editor), place_(place), places_(editor.mesh().points, place) {}
 
   void gather(const std::vector<Index>& bad) {
     std::vector<Index> todo = bad;
@@ -31,7 +31,7 @@ class Kinetic {
     }
   }
 
-  Index run(Context& context) {
+  KineticMoves run(Context& context) {
     std::vector<Index> todo = nearest_first();
     const Index count = static_cast<Index>(todo.size());
     for (int round = 0; round < 5 && !todo.empty(); ++round) {
@@ -43,7 +43,10 @@ class Kinetic {
       if (rest.size() == todo.size()) break;
       todo = std::move(rest);
     }
-    return count;
+    double shift = 0;
+    for (Index v : todo)
+      if (alive(v) && place_(v).kind != ExactPlace::lattice) shift = std::max(shift, move_beside(v));
+    return {count, shift};
   }
 
  private:
@@ -83,6 +86,27 @@ class Kinetic {
     return !alive(v);
   }
 
+  /// Where no way leads to the rounded place, one mostly leads to a double beside it, which then is the rounded place.
+  /// Returns how far beside, or 0 when none does.
+  double move_beside(Index v) {
+    Point2& rounded = editor_.mesh().points[v];
+    const Point2 before = rounded;
+    const auto ulps = [](double c, int n) {
+      for (; n > 0; --n) c = std::nextafter(c, INFINITY);
+      for (; n < 0; ++n) c = std::nextafter(c, -INFINITY);
+      return c;
+    };
+    for (int reach = 1; reach <= 3; ++reach)
+      for (int dx = -reach; dx <= reach; ++dx)
+        for (int dy = -reach; dy <= reach; ++dy) {
+          if (std::max(std::abs(dx), std::abs(dy)) < reach) continue;
+          rounded = {ulps(before.x, dx), ulps(before.y, dy)};
+          if (leg(v, rounded, true)) return std::hypot(rounded.x - before.x, rounded.y - before.y);
+        }
+    rounded = before;
+    return 0;
+  }
+
   /// Moves v along a straight line to `goal`, or not at all: a stop on the way would be a rational place, and places
   /// made of such places grow without bound.
   bool leg(Index v, Point2 goal, bool last) {
@@ -113,13 +137,19 @@ class Kinetic {
     return back();
   }
 
-  /// Flips the edge opposite the middle vertex of one flat face; faces around a vertex that is about to be merged wait.
+  /// Flips the edge opposite the middle vertex of one flat face, or takes the face away where it is the border's; faces
+  /// around a vertex that is about to be merged wait.
   bool flip_one(const Leg& leg, Index meets) {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       const Event& e = events_[i];
       if (meets != none && (e.corners[0] == meets || e.corners[1] == meets || e.corners[2] == meets)) continue;
       MeshEditor::Quad quad;
       const int k = alignments_[i].middle;
+      if (k == none) continue;
+      if (editor_.mesh().neighbours[e.face][k] == none) {  // a sliver of an open border
+        if (editor_.trim(e.face, k)) return true;
+        continue;
+      }
       if (!editor_.quad(e.face, k, quad) || !leg.positive(e, {quad.u, quad.p, quad.w}) ||
           !leg.positive(e, {quad.u, quad.w, quad.q}))
         continue;
@@ -139,6 +169,7 @@ class Kinetic {
   }
 
   MeshEditor& editor_;
+  const std::function<ExactPlace(Index)>& place_;
   KineticPlaces places_;
   std::vector<Index> star_;
   std::vector<Event> events_;
@@ -147,8 +178,8 @@ class Kinetic {
 
 }  // namespace
 
-Index move_kinetically(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
-                       Context& context) {
+KineticMoves move_kinetically(MeshEditor& editor, const std::vector<Index>& bad,
+                              const std::function<ExactPlace(Index)>& place, Context& context) {
   Kinetic kinetic(editor, place);
   kinetic.gather(bad);
   return kinetic.run(context);

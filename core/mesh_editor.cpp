@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/predicates.hpp"
+
 namespace terrane {
 
 MeshEditor::MeshEditor(PlanarMesh& mesh)
@@ -11,6 +13,11 @@ MeshEditor::MeshEditor(PlanarMesh& mesh)
   std::iota(merged_into_.begin(), merged_into_.end(), 0);
   for (Index f = 0; f < static_cast<Index>(mesh.faces.size()); ++f)
     if (alive(f)) anchor(f);
+}
+
+int MeshEditor::sign(Index f) const {
+  const Face& c = mesh_.faces[f];
+  return orientation(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]]);
 }
 
 void MeshEditor::star(Index v, std::vector<Index>& faces) const {
@@ -154,6 +161,11 @@ void MeshEditor::undo(Mark mark) {
 void MeshEditor::changed(Mark mark, std::vector<Index>& faces) const {
   for (std::size_t i = mark.entries; i < journal_.size(); ++i)
     if (journal_[i].face != none) faces.push_back(journal_[i].face);
+}
+
+void MeshEditor::labelled_before(std::vector<Index>& vertices) const {
+  for (const Entry& e : journal_)
+    if (e.face != none && e.label != none) vertices.insert(vertices.end(), e.corners.begin(), e.corners.end());
 }
 
 }  // namespace terrane

@@ -13,7 +13,10 @@ class MeshEditor {
   explicit MeshEditor(PlanarMesh& mesh);
 
   PlanarMesh& mesh() { return mesh_; }
+  const PlanarMesh& mesh() const { return mesh_; }
   bool alive(Index f) const { return mesh_.faces[f][0] != none; }
+  /// Of the area of face f, exactly.
+  int sign(Index f) const;
   int corner_of(Index f, Index v) const { return mesh_.faces[f][0] == v ? 0 : mesh_.faces[f][1] == v ? 1 : 2; }
   /// The live faces around v.
   void star(Index v, std::vector<Index>& faces) const;
@@ -30,9 +33,14 @@ class MeshEditor {
   /// mesh.
   bool merge(Index f, int k, Index keep);
 
-  /// Takes away face f, whose edge opposite corner k is on the border: the border then runs through that corner. False when
-  /// the corner is on the border already, where the mesh would come apart.
+  /// Takes away face f, whose edge opposite corner k is on the border: the border then runs through that corner. False
+  /// when the corner is on the border already, where the mesh would come apart.
   bool trim(Index f, int k);
+
+  void relabel(Index f, Index label) {
+    save(f);
+    mesh_.labels[f] = label;
+  }
 
   /// Everything done since the mark is undone, in reverse.
   struct Mark {
@@ -43,6 +51,8 @@ class MeshEditor {
   void undo(Mark mark);
   /// Faces changed since the mark, each possibly several times.
   void changed(Mark mark, std::vector<Index>& faces) const;
+  /// The vertices that were corners of a labelled face before it changed, each possibly several times.
+  void labelled_before(std::vector<Index>& vertices) const;
   const std::vector<Index>& merged_into() const { return merged_into_; }
   Index merges() const { return merges_; }
   Index flips() const { return flips_; }

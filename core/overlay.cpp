@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "core/arrangement.hpp"
+#include "core/error.hpp"
 #include "core/heights.hpp"
+#include "core/mended_heights.hpp"
 #include "core/overlay_faces.hpp"
 #include "core/parallel.hpp"
 #include "core/rounding.hpp"
@@ -45,18 +47,27 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
   mesh.labels.resize(mesh.faces.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     if (f == 0 || work.parents[f] != work.parents[f - 1]) regions.push_back(work.parents[f]);
-    mesh.labels[f] = static_cast<Index>(regions.size()) - 1;
+    const bool outside = work.parents[f][0] == none && work.parents[f][1] == none;
+    mesh.labels[f] = outside ? none : static_cast<Index>(regions.size()) - 1;
   }
   connect(mesh);
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
-    for (int m = 0; m < 2; ++m)
+    for (int m = 0; region != none && m < 2; ++m)
       if (const Index f = regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
     return d;
   };
   const Rounded rounded = round_and_verify(
       mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance);
-  report.max_spill = rounded.report.max_spill;
+  report.max_move = std::max(report.max_move, rounded.report.max_move);
+  if (rounded.report.max_spill > 3 * report.max_move)
+    throw Error(
+        ErrorKind::input, "rounding",
+        "the surfaces come closer to each other than doubles can tell apart, and a face cannot be kept within "
+        "three roundings of where it belongs; snap their vertices together or use coordinates nearer the origin");
+  // What rounding did not mend spills by what it moved; vertices of B by what they were snapped.
+  report.max_spill = std::max(report.max_move, rounded.report.max_spill) + report.max_snap;
+  report.lost = rounded.report.lost;
   report.merges = rounded.report.merges;
   report.flips = rounded.report.flips;
   report.kinetic = rounded.report.kinetic;
@@ -68,13 +79,11 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
   std::vector<bool> live(regions.size(), false);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const Face& face = mesh.faces[f];
-    if (face[0] == none) continue;
-    const std::array<Index, 2>& parents = regions[mesh.labels[f]];
+    if (face[0] == none || mesh.labels[f] == none) continue;
     live[mesh.labels[f]] = true;
-    if (parents[0] == none && parents[1] == none) continue;  // the exterior
     renumbered[f] = static_cast<Index>(work.faces.size());
     work.faces.push_back(face);
-    work.parents.push_back(parents);
+    work.parents.push_back(regions[mesh.labels[f]]);
   }
   work.exterior = work.faces.size();
   for (Index f : rounded.relabelled)
@@ -121,6 +130,7 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
     mend(arrangement, work, points, heights, result.rounding, context, relabelled);
     vertex = used_vertices(work, points.size());
   } else {
+    result.rounding.max_spill = result.rounding.max_move + result.rounding.max_snap;
     work.faces.resize(work.exterior);
     work.parents.resize(work.exterior);
     points.resize(arrangement.first_corner);
@@ -144,9 +154,7 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
     } else {
       z = std::move(arrangement.heights[m]);
       z.resize(points.size());
-      for (Index f : relabelled)  // a flip may have brought a vertex of the outside into the domain
-        for (int k = 0; k < 3 && work.parents[f][m] != none; ++k)
-          if (double& height = z[work.faces[f][k]]; std::isnan(height)) height = in_face(f, k);
+      result.per_corner[m] = mend_heights(work, points, heights[m], m, relabelled, z);
     }
   }
   if (mended) {

@@ -32,6 +32,7 @@ struct RoundingReport {
   Index merges = 0;      // crossings that became one because their doubles are equal
   Index flips = 0;       // edges flipped to keep every face positive
   Index kinetic = 0;     // vertices that had to be moved from exact to rounded one by one
+  Index lost = 0;        // input vertices that are gone, at the end of faces thinner than rounding
   Index regions = 0;     // regions of the exact topology inside the union of the domains
   Index collapsed = 0;   // of these, how many rounding left without a face
 };

@@ -8,136 +8,80 @@
 
 #include "core/crossing_point.hpp"
 #include "core/error.hpp"
+#include "core/greedy.hpp"
 #include "core/kinetic.hpp"
 #include "core/kinetic_places.hpp"
+#include "core/lost_vertices.hpp"
 #include "core/mesh_editor.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
 namespace {
 
-int sign_of(const PlanarMesh& mesh, Index f) {
-  const Face& c = mesh.faces[f];
-  return orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
-}
-
-std::vector<Index> bad_faces(const PlanarMesh& mesh) {
+std::vector<Index> bad_faces(const MeshEditor& editor) {
   std::vector<Index> bad;
-  for (Index f = 0; f < static_cast<Index>(mesh.faces.size()); ++f)
-    if (mesh.faces[f][0] != none && sign_of(mesh, f) <= 0) bad.push_back(f);
+  for (Index f = 0; f < static_cast<Index>(editor.mesh().faces.size()); ++f)
+    if (editor.alive(f) && editor.sign(f) <= 0) bad.push_back(f);
   return bad;
 }
 
-/// The first, fast step: per cluster of bad faces merge vertices with equal doubles and flip the edge opposite the
-/// middle vertex; taken back as a whole when the cluster does not come out valid and near its parents.
-class Greedy {
- public:
-  Greedy(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
-         const std::function<double(Index, Point2)>& distance, double bound)
-      : editor_(editor), place_(place), distance_(distance), bound_(bound) {}
+using Distance = std::function<double(Index, Point2)>;
 
-  /// Returns the faces of the clusters it could not mend.
-  std::vector<Index> run(const std::vector<Index>& bad) {
-    std::vector<bool> seen(editor_.mesh().faces.size());
-    std::vector<Index> left;
-    for (Index f : bad) {
-      if (seen[f] || !editor_.alive(f) || sign_of(editor_.mesh(), f) > 0) continue;
-      const std::vector<Index> cluster = collect(f, seen);
-      const MeshEditor::Mark mark = editor_.mark();
-      if (mend(cluster, mark)) continue;
-      editor_.undo(mark);
-      left.insert(left.end(), cluster.begin(), cluster.end());
-    }
-    return left;
-  }
+std::vector<Index> changed_faces(const MeshEditor& editor) {
+  std::vector<Index> changed;
+  editor.changed({}, changed);
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  std::erase_if(changed, [&](Index f) { return !editor.alive(f); });
+  return changed;
+}
 
- private:
-  std::vector<Index> collect(Index start, std::vector<bool>& seen) {
-    std::vector<Index> cluster{start};
-    seen[start] = true;
-    for (std::size_t i = 0; i < cluster.size(); ++i)
-      for (Index g : editor_.mesh().neighbours[cluster[i]])
-        if (g != none && !seen[g] && sign_of(editor_.mesh(), g) <= 0) {
-          seen[g] = true;
-          cluster.push_back(g);
+/// The distance of a face's farthest corner from what a label stands for.
+double spill(const MeshEditor& editor, const Distance& distance, Index f, Index label) {
+  double largest = 0;
+  for (Index v : editor.mesh().faces[f]) largest = std::max(largest, distance(label, editor.mesh().points[v]));
+  return largest;
+}
+
+/// A row of flips hands a label on from face to face: one that it has carried too far gets the nearest label of
+/// the faces around it. Returns the largest spill that is left.
+double call_labels_back(MeshEditor& editor, const Distance& distance, double bound) {
+  double largest = 0;
+  std::vector<Index> around;
+  for (Index f : changed_faces(editor)) {
+    double here = spill(editor, distance, f, editor.mesh().labels[f]);
+    if (here > bound) {
+      const Face corners = editor.mesh().faces[f];
+      for (Index v : corners) {
+        editor.star(v, around);
+        for (Index g : around) {
+          const Index label = editor.mesh().labels[g];
+          if (label == none) continue;
+          const double there = spill(editor, distance, f, label);
+          if (there < here) here = there, editor.relabel(f, label);
         }
-    return cluster;
-  }
-
-  bool mend(std::vector<Index> todo, MeshEditor::Mark mark) {
-    std::size_t budget = 20 * todo.size() + 40;
-    while (!todo.empty()) {
-      if (budget-- == 0) return false;
-      const Index f = todo.back();
-      todo.pop_back();
-      if (!editor_.alive(f) || sign_of(editor_.mesh(), f) > 0) continue;
-      const MeshEditor::Mark before = editor_.mark();
-      if (!merge_equal(f) && !flip_middle(f)) return false;
-      editor_.changed(before, todo);
+      }
     }
-    if (!distance_) return true;
-    std::vector<Index> changed;
-    editor_.changed(mark, changed);
-    for (Index f : changed)
-      if (editor_.alive(f))
-        for (Index v : editor_.mesh().faces[f])
-          if (distance_(editor_.mesh().labels[f], editor_.mesh().points[v]) > bound_) return false;
-    return true;
+    largest = std::max(largest, here);
   }
-
-  bool merge_equal(Index f) {
-    const PlanarMesh& mesh = editor_.mesh();
-    for (int k = 0; k < 3; ++k) {
-      const Index p = mesh.faces[f][(k + 1) % 3], q = mesh.faces[f][(k + 2) % 3];
-      if (!(mesh.points[p] == mesh.points[q])) continue;
-      const bool p_fixed = place_(p).kind == ExactPlace::input, q_fixed = place_(q).kind == ExactPlace::input;
-      if (p_fixed && q_fixed) continue;
-      if (editor_.merge(f, k, p_fixed ? p : q_fixed ? q : std::min(p, q))) return true;
-    }
-    return false;
-  }
-
-  /// The middle vertex of a flat or turned-over face lies between the ends of the edge opposite it, or beyond it.
-  bool flip_middle(Index f) {
-    const PlanarMesh& mesh = editor_.mesh();
-    int longest = 0;
-    double length = -1;
-    for (int k = 0; k < 3; ++k) {
-      const Point2 p = mesh.points[mesh.faces[f][(k + 1) % 3]], q = mesh.points[mesh.faces[f][(k + 2) % 3]];
-      const double l = std::hypot(q.x - p.x, q.y - p.y);
-      if (l > length) length = l, longest = k;
-    }
-    if (mesh.neighbours[f][longest] == none) return editor_.trim(f, longest);  // a sliver of the border, an ulp thick
-    MeshEditor::Quad quad;
-    if (!editor_.quad(f, longest, quad)) return false;
-    const auto positive = [&](Index a, Index b, Index c) {
-      return orientation(mesh.points[a], mesh.points[b], mesh.points[c]) > 0;
-    };
-    if (!positive(quad.u, quad.p, quad.w) || !positive(quad.u, quad.w, quad.q)) return false;
-    editor_.flip(f, longest, quad);
-    return true;
-  }
-
-  MeshEditor& editor_;
-  const std::function<ExactPlace(Index)>& place_;
-  const std::function<double(Index, Point2)>& distance_;
-  double bound_;
-};
+  return largest;
+}
 
 /// The ladder: greedy alone; kinetic for the clusters greedy cannot mend and greedy for the rest; kinetic for all, at
 /// once where these clusters are no exception. Kinetic moves need the mesh as it was, since exact places are valid in
-/// that one only. Returns the vertices moved kinetically.
-Index mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
-           const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
-  const std::vector<Index> hard = Greedy(editor, place, distance, bound).run(bad);
-  if (hard.empty()) return 0;
+/// that one only.
+KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
+                  const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
+  const std::vector<Index> hard = mend_greedily(editor, bad, place, distance, bound);
+  if (hard.empty()) return {};
   editor.undo({});
   if (hard.size() > bad.size() / 4) return move_kinetically(editor, bad, place, context);
-  const Index moved = move_kinetically(editor, hard, place, context);
-  Greedy(editor, place, distance, bound).run(bad_faces(editor.mesh()));
-  if (bad_faces(editor.mesh()).empty()) return moved;
+  const KineticMoves moves = move_kinetically(editor, hard, place, context);
+  mend_greedily(editor, bad_faces(editor), place, distance, bound);
+  if (bad_faces(editor).empty() && (!distance || call_labels_back(editor, distance, bound) <= bound)) return moves;
   editor.undo({});
-  return move_kinetically(editor, bad, place, context);
+  const KineticMoves all = move_kinetically(editor, bad, place, context);
+  return {all.vertices, all.shift + moves.shift};
 }
 
 }  // namespace
@@ -199,10 +143,12 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
   }
   MeshEditor editor(mesh);
   const double bound = 3 * result.report.max_move;
-  const std::vector<Index> bad = bad_faces(mesh);
+  const std::vector<Index> bad = bad_faces(editor);
   if (!bad.empty()) {
-    result.report.kinetic = mend(editor, bad, place, distance, bound, context);
-    if (const std::vector<Index> left = bad_faces(mesh); !left.empty()) {
+    const KineticMoves moves = mend(editor, bad, place, distance, bound, context);
+    result.report.kinetic = moves.vertices;
+    result.report.max_move += moves.shift;
+    if (const std::vector<Index> left = bad_faces(editor); !left.empty()) {
       const Point2 at = mesh.points[mesh.faces[left[0]][0]];
       throw Error(
           ErrorKind::input, "rounding",
@@ -211,15 +157,10 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
               std::to_string(left.size()) +
               " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
+    if (distance) result.report.lost = keep_input_vertices(editor, place, distance, bound);
   }
-  editor.changed({}, result.relabelled);
-  std::sort(result.relabelled.begin(), result.relabelled.end());
-  result.relabelled.erase(std::unique(result.relabelled.begin(), result.relabelled.end()), result.relabelled.end());
-  std::erase_if(result.relabelled, [&](Index f) { return !editor.alive(f); });
-  if (distance)
-    for (Index f : result.relabelled)
-      for (Index v : mesh.faces[f])
-        result.report.max_spill = std::max(result.report.max_spill, distance(mesh.labels[f], mesh.points[v]));
+  if (distance) result.report.max_spill = call_labels_back(editor, distance, 3 * result.report.max_move);
+  result.relabelled = changed_faces(editor);
   result.report.merges = editor.merges();
   result.report.flips = editor.flips();
   result.merged_into = editor.merged_into();

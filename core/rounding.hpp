@@ -33,7 +33,7 @@ struct PlanarMesh {
   Array<Point2> points;    // rounded places, as they will be returned
   Array<Face> faces;       // positive at the exact places; a dead face has faces[f][0] == none
   Array<Face> neighbours;  // neighbours[f][k]: the face across the edge opposite corner k, or none
-  Array<Index> labels;     // what a face belongs to; a flip hands the neighbour's label to both
+  Array<Index> labels;     // what a face belongs to, none: the exterior; a flip hands the neighbour's label to both
 };
 
 /// Fills `neighbours` from `faces`. Each directed edge may occur once.

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -19,24 +21,52 @@ double four_ulp(const CompletedMesh& a, const CompletedMesh& b) {
   return 4 * (std::nextafter(largest, INFINITY) - largest);
 }
 
-/// The place of A within `tolerance` that is nearest to q, among the corners of the faces at its location.
-Index near_place(const CompletedMesh& a, Location where, Point2 q, double tolerance) {
-  Index best = none;
-  double nearest = tolerance;
-  const auto look = [&](Index face) {
+/// Finds the places of A near others. They may be corners of faces that their own does not touch: slivers lie between.
+class Vicinity {
+ public:
+  Vicinity(const CompletedMesh& a, double tolerance) : a_(a), tolerance_(tolerance) {}
+
+  /// Calls visit(place of A, distance) for each place within the tolerance of q.
+  template <class Visit>
+  void each(Location where, Point2 q, Visit visit) {
+    const Index start = face_at(a_, where);
+    if (where.kind == Location::face && deep_inside(start, q)) return;  // nearly always
+    faces_.assign(1, start);
+    seen_ = {start};
+    places_.clear();
+    for (std::size_t n = 0; n < faces_.size(); ++n)
+      for (int k = 0; k < 3; ++k) {
+        const Index h = 4 * faces_[n] + k, i = a_.corner(h);
+        if (i < a_.real_places()) places_.push_back(i);
+        double d;
+        nearest_on_segment(a_.at(i), a_.at(a_.target(h)), q, d);
+        if (d <= 2 * tolerance_ && a_.twin(h) != none && seen_.insert(a_.twin(h) >> 2).second)
+          faces_.push_back(a_.twin(h) >> 2);
+      }
+    std::sort(places_.begin(), places_.end());
+    places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
+    for (Index i : places_)
+      if (const double d = std::hypot(a_.at(i).x - q.x, a_.at(i).y - q.y); d <= tolerance_) visit(i, d);
+  }
+
+ private:
+  /// Is q, in the face, certainly farther from its sides than the tolerance?
+  bool deep_inside(Index face, Point2 q) const {
     for (int k = 0; k < 3; ++k) {
-      const Index i = a.corner(4 * face + k);
-      if (i >= a.real_places()) continue;
-      const double dx = a.at(i).x - q.x, dy = a.at(i).y - q.y;
-      if (std::fabs(dx) > tolerance || std::fabs(dy) > tolerance) continue;  // nearly always
-      const double d = std::hypot(dx, dy);
-      if (d < nearest || (d == nearest && (best == none || i < best))) nearest = d, best = i;
+      const Point2 from = a_.at(a_.corner(4 * face + k)), to = a_.at(a_.corner(4 * face + (k + 1) % 3));
+      const double ux = to.x - from.x, uy = to.y - from.y;
+      const double l = ux * (q.y - from.y), r = uy * (q.x - from.x);
+      if (l - r <= 2 * tolerance_ * (std::fabs(ux) + std::fabs(uy)) + 1e-15 * (std::fabs(l) + std::fabs(r)))
+        return false;
     }
-  };
-  look(face_at(a, where));
-  if (where.kind == Location::edge && a.twin(where.index) != none) look(a.twin(where.index) >> 2);
-  return best;
-}
+    return true;
+  }
+
+  const CompletedMesh& a_;
+  double tolerance_;
+  std::vector<Index> faces_, places_;
+  std::unordered_set<Index> seen_;
+};
 
 bool positive(const CompletedMesh& mesh, const Array<Point2>& at, Index f) {
   return orientation(at[mesh.corner(4 * f)], at[mesh.corner(4 * f + 1)], at[mesh.corner(4 * f + 2)]) > 0;
@@ -55,24 +85,28 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
   if (tolerance < 0) tolerance = four_ulp(a, mesh);
   if (tolerance == 0) return result;
 
-  // Whose place of A is it? Coincident vertices own theirs; of the others the nearest gets it.
+  // The nearest of the other mesh, of every place that has one within reach; in doubt the lower number.
   std::vector<Index> partner(n, none), owner(a.places.size(), none);
   for (Index j = 0; j < n; ++j)
     if (result.location[j].kind == Location::place) owner[result.location[j].index] = j;
   const auto distance = [&](Index i, Index j) {
     return std::hypot(a.at(i).x - mesh.at(j).x, a.at(i).y - mesh.at(j).y);
   };
-  bool any = false;
+  Vicinity vicinity(a, tolerance);
+  std::vector<Index> near;  // places of B with a partner
   for (Index j = 0; j < mesh.real_places(); ++j) {
     if (result.location[j].kind == Location::place) continue;
-    const Index i = near_place(a, result.location[j], mesh.at(j), tolerance);
-    if (i == none) continue;
-    const Index rival = owner[i];
-    if (rival != none && distance(i, rival) <= distance(i, j)) continue;
-    if (rival != none) partner[rival] = none;
-    owner[i] = j;
-    partner[j] = i;
-    any = true;
+    double nearest = std::numeric_limits<double>::infinity();
+    vicinity.each(result.location[j], mesh.at(j), [&](Index i, double d) {
+      if (d < nearest) nearest = d, partner[j] = i;
+      if (owner[i] == none || d < distance(i, owner[i])) owner[i] = j;
+    });
+    if (partner[j] != none) near.push_back(j);
+  }
+  bool any = false;
+  for (Index j : near) {
+    if (owner[partner[j]] != j) partner[j] = none;
+    any = any || partner[j] != none;
   }
   if (!any) return result;
 

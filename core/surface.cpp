@@ -115,6 +115,7 @@ void accumulate(RoundingReport& sum, const RoundingReport& more) {
   sum.merges += more.merges;
   sum.flips += more.flips;
   sum.kinetic += more.kinetic;
+  sum.lost += more.lost;
   sum.regions += more.regions;
   sum.collapsed += more.collapsed;
 }

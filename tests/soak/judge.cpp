@@ -18,27 +18,6 @@
 namespace terrane::soak {
 namespace {
 
-/// By how much the integral of a difference may be off: heights at its corners by what the inputs rise within the reach
-/// of rounding.
-double height_slack(const Tin& a, const Tin& b, const Tin& difference, double radius) {
-  const support::HeightJudge of_a(a), of_b(b);
-  std::vector<double> play;
-  for (const Point& p : difference.vertices) {
-    play.push_back(0);
-    for (const support::HeightJudge* judge : {&of_a, &of_b}) {
-      const auto range = judge->range(plan(p), radius);
-      if (range.found) play.back() += range.high - range.low;
-    }
-  }
-  double slack = 0;
-  for (Index f = 0; f < static_cast<Index>(difference.faces.size()); ++f) {
-    const support::Triangle t = support::triangle(difference, f);
-    const double area = std::fabs((t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x)) / 2;
-    for (const Index v : difference.faces[f]) slack += area / 3 * play[v];
-  }
-  return slack;
-}
-
 double integral_in_plan(const Tin& tin) {
   long double sum = 0;
   for (const Face& f : tin.faces) {
@@ -67,8 +46,7 @@ std::string wrong_with_difference(const Tin& a, const Tin& b, Context& context) 
   }
   for (const Tin* tin : {&a, &b})
     for (const Point& p : tin->vertices) highest = std::max(highest, std::fabs(p.z));
-  double allowed = height_slack(a, b, difference.tin, 2 * report.max_move + 2 * report.max_snap) +
-                   (2 * reach * border + 1e-15 * area + measuring) * highest;
+  double allowed = (2 * reach * border + 1e-15 * area + measuring) * highest;
   if (walls) allowed += area * 2e-9 * std::max(1.0, highest);  // welding
   const double found = integral_in_plan(difference.tin);
   if (!(std::fabs(found - volume_truth) <= allowed))

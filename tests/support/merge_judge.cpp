@@ -75,7 +75,7 @@ class Judge {
     wrong_ << wrong_with_surface(tin_, options_.assembly.seam == Seam::split);
     judge_area();
     judge_presence();
-    if (!thin()) judge_heights();
+    judge_heights();
     return wrong_.str();
   }
 
@@ -97,11 +97,6 @@ class Judge {
       wrong_ << "the area is " << found << " instead of " << wanted << ", off by more than " << allowed << "; ";
   }
 
-  bool at_other_border(Point2 p, std::size_t tile) const {
-    return std::any_of(borders_.begin(), borders_.end(),
-                       [&](const Edge& e) { return e.tile != tile && within(p, e.p, e.q, reach()); });
-  }
-
   void judge_presence() {
     std::set<std::pair<double, double>> there;
     for (const Point& p : tin_.vertices) there.emplace(p.x, p.y);
@@ -111,14 +106,11 @@ class Judge {
       const std::size_t on_top = options_.overlap == Overlap::first ? 0 : tiles_.size() - 1;
       if (paste && i != on_top) continue;  // others lie under it
       const PlanMesh mesh = plan_mesh(tiles_[i]);
-      std::set<std::pair<double, double>> thick;  // as in an overlay
-      for (const Face& f : mesh.faces)
-        if (thickness(triangle(mesh.points, f)) > reach())
-          for (const Index v : f) thick.emplace(mesh.points[v].x, mesh.points[v].y);
-      for (const auto& p : thick) missing += !there.contains(p) && !at_other_border({p.first, p.second}, i);
+      for (const Point2 p : mesh.points) missing += !there.contains({p.x, p.y});
     }
-    if (missing > static_cast<std::size_t>(report_.snapped))
-      wrong_ << missing << " vertices of the tiles are gone, " << report_.snapped << " were snapped; ";
+    const std::size_t reported = static_cast<std::size_t>(report_.snapped) + static_cast<std::size_t>(report_.lost);
+    if (missing > reported)
+      wrong_ << missing << " vertices of the tiles are gone, " << reported << " were snapped or lost; ";
   }
 
   /// On a face thinner than what rounding moves, heights differ by all it rises within that reach; the next overlay

@@ -65,12 +65,6 @@ bool near_crossing(Point2 p, const Segment& s, const Segment& t, double reach) {
   return dx * dx + dy * dy <= mpq_class(reach) * mpq_class(reach);
 }
 
-bool near_border(Point2 p, const PlanMesh& mesh, double reach) {
-  for (const auto& [u, v] : border_of(mesh.faces))
-    if (within(p, mesh.points[u], mesh.points[v], reach)) return true;
-  return false;
-}
-
 class Judge {
  public:
   Judge(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay)
@@ -88,21 +82,48 @@ class Judge {
   }
 
  private:
+  /// Every vertex is there, but for those reported: at the end of faces, or of tips of faces over the other's border,
+  /// that are thinner than what rounding moves.
   void judge_presence() {
     const std::set<Place> there = places_of(overlay_.points);
+    const double reach = 3 * overlay_.rounding.max_move + denormal;
+    std::set<Place> missing;
     for (const int m : {0, 1}) {
       if (m == 1 && options_.refinement == Refinement::paste) continue;
-      // A face thinner than what rounding moves may go, and its corners with it; so may the tip of a face that reaches
-      // over the other's border by less than that.
-      const double reach = 3 * overlay_.rounding.max_move + denormal;
-      std::set<Place> thick;
       for (const Face& f : meshes_[m].faces)
-        if (thickness(triangle(meshes_[m].points, f)) > reach)
-          for (const Index v : f) thick.insert(key(meshes_[m].points[v]));
-      for (const Place& p : thick)
-        if (!there.contains(p) && !near_border({p.first, p.second}, meshes_[1 - m], reach))
-          wrong_ << "vertex " << p.first << " " << p.second << " of input " << m << " is gone; ";
+        for (int k = 0; k < 3; ++k) {
+          const Point2 p = meshes_[m].points[f[k]];
+          if (there.contains(key(p))) continue;
+          missing.insert(key(p));
+          if (tip_thickness(m, f, k) > reach)
+            wrong_ << "vertex " << p.x << " " << p.y << " of input " << m << " is gone; ";
+        }
     }
+    if (missing.size() > static_cast<std::size_t>(overlay_.rounding.lost))
+      wrong_ << missing.size() << " vertices are gone, " << overlay_.rounding.lost << " reported; ";
+  }
+
+  /// Of face f from its corner k up to the border of the other input.
+  double tip_thickness(int m, const Face& f, int k) const {
+    using Real = long double;
+    const Point2 p = meshes_[m].points[f[k]];
+    const PlanMesh& other = meshes_[1 - m];
+    Real side[2][2];
+    for (const int i : {0, 1}) {
+      const Point2 q = meshes_[m].points[f[(k + 1 + i) % 3]];
+      const Real dx = Real(q.x) - p.x, dy = Real(q.y) - p.y;
+      Real until = 1;
+      for (const auto& [u, v] : border_of(other.faces)) {
+        const Real ux = Real(other.points[u].x) - p.x, uy = Real(other.points[u].y) - p.y;
+        const Real vx = Real(other.points[v].x) - other.points[u].x, vy = Real(other.points[v].y) - other.points[u].y;
+        const Real across = dx * vy - dy * vx, along = (ux * vy - uy * vx) / across, at = (ux * dy - uy * dx) / across;
+        if (along > 0 && at >= 0 && at <= 1) until = std::min(until, along);
+      }
+      side[i][0] = until * dx, side[i][1] = until * dy;
+    }
+    const Real longest = std::max({std::hypot(side[0][0], side[0][1]), std::hypot(side[1][0], side[1][1]),
+                                   std::hypot(side[0][0] - side[1][0], side[0][1] - side[1][1])});
+    return static_cast<double>(std::fabs(side[0][0] * side[1][1] - side[0][1] * side[1][0]) / longest);
   }
 
   /// Every other vertex is the crossing of two edges, within max_move.
@@ -167,7 +188,10 @@ class Judge {
           if (seen[v].first != none && seen[v].second == z) continue;
           seen[v] = {v, z};
           const auto vertex = own.find(key(p));
-          if (vertex != own.end() && vertex->second.second) {
+          // Under a pasted A nothing of B is a vertex; at a cliff thinner than rounding a face keeps its own height.
+          const bool exact = vertex != own.end() && vertex->second.second && !overlay_.per_corner[m] &&
+                             (m == 0 || options_.refinement == Refinement::full);
+          if (exact) {
             if (z != vertex->second.first)
               wrong_ << "height " << z << " at vertex " << p.x << " " << p.y << " of input " << m << " instead of "
                      << vertex->second.first << "; ";
