@@ -83,8 +83,9 @@ class Carrier {
     }
   }
 
-  /// Both heights at a vertex made for a face are one double there; B's, unless only A can hold a height of its own per
-  /// face. The same where rounding moved such a vertex onto another: the line passes within rounding of that one.
+  /// Both heights at a vertex made for a face are one double there: that of the flatter surface, which stays flat, or
+  /// of the only one that cannot hold a height of its own per face. The same where rounding moved such a vertex onto
+  /// another: the line passes within rounding of that one.
   void equate() {
     std::vector<Index> lands_on(after_.points.size(), none);  // chain of cut vertices that ended at a point
     std::vector<Index> next(cut_.made.size(), none);
@@ -95,22 +96,35 @@ class Carrier {
     }
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       if (!has_both(after_, static_cast<Index>(f))) continue;
-      for (int k = 0; k < 3; ++k)
-        for (Index i = lands_on[after_.faces[f][k]]; i != none; i = next[i])
-          if (owned(i, cut_.mesh.labels[f])) equate(f, k);
+      for (int k = 0; k < 3; ++k) {
+        double rise[2] = {0, 0};
+        bool here = false;
+        for (Index i = lands_on[after_.faces[f][k]]; i != none; i = next[i]) {
+          here = here || owned(i, cut_.mesh.labels[f]);
+          for (int input : {0, 1}) rise[input] = std::max(rise[input], rise_along(cut_.made[i], input));
+        }
+        if (here) equate(f, k, rise[1] < rise[0] ? 1 : 0);
+      }
     }
+  }
+
+  /// How far a surface rises along the edge that a vertex was made on.
+  double rise_along(const CutVertex& made, int input) const {
+    const Face& face = before_.faces[made.owners[0]];
+    const auto height = [&](Index v) {
+      return before_.height(input, made.owners[0], v == face[0] ? 0 : v == face[1] ? 1 : 2);
+    };
+    return std::fabs(height(made.q) - height(made.p));
   }
 
   bool owned(Index i, Index label) const { return cut_.made[i].owners[0] == label || cut_.made[i].owners[1] == label; }
 
-  void equate(std::size_t f, int corner) {
+  void equate(std::size_t f, int corner, int flatter) {
     const auto at = [&](int input) -> double& {
       return after_.heights[input][after_.per_corner[input] ? 3 * f + corner : after_.faces[f][corner]];
     };
-    if (after_.per_corner[0] && !after_.per_corner[1])
-      at(0) = at(1);
-    else
-      at(1) = at(0);
+    const int from = after_.per_corner[0] == after_.per_corner[1] ? flatter : after_.per_corner[0] ? 1 : 0;
+    at(1 - from) = at(from);
   }
 
   const Overlay& before_;

@@ -45,7 +45,8 @@ nlohmann::json approximation(const Plan& plan, const Frame& frame, const std::ve
 nlohmann::json rounding_json(const RoundingReport& r) {
   return {{"max_move", r.max_move}, {"max_snap", r.max_snap}, {"max_spill", r.max_spill},
           {"snapped", r.snapped},   {"merges", r.merges},     {"flips", r.flips},
-          {"kinetic", r.kinetic},   {"regions", r.regions},   {"collapsed", r.collapsed}};
+          {"kinetic", r.kinetic},   {"lost", r.lost},         {"regions", r.regions},
+          {"collapsed", r.collapsed}};
 }
 
 /// All ways of leaving out inputs whose border is so near that the place may lie outside them.

@@ -101,27 +101,17 @@ class Judge {
     std::set<std::pair<double, double>> there;
     for (const Point& p : tin_.vertices) there.emplace(p.x, p.y);
     const bool paste = options_.overlap == Overlap::first || options_.overlap == Overlap::last;
-    std::size_t missing = 0;
+    std::set<std::pair<double, double>> missing;
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
       const std::size_t on_top = options_.overlap == Overlap::first ? 0 : tiles_.size() - 1;
       if (paste && i != on_top) continue;  // others lie under it
       const PlanMesh mesh = plan_mesh(tiles_[i]);
-      for (const Point2 p : mesh.points) missing += !there.contains({p.x, p.y});
+      for (const Point2 p : mesh.points)
+        if (!there.contains({p.x, p.y})) missing.emplace(p.x, p.y);
     }
     const std::size_t reported = static_cast<std::size_t>(report_.snapped) + static_cast<std::size_t>(report_.lost);
-    if (missing > reported)
-      wrong_ << missing << " vertices of the tiles are gone, " << reported << " were snapped or lost; ";
-  }
-
-  /// On a face thinner than what rounding moves, heights differ by all it rises within that reach; the next overlay
-  /// takes what the last one chose as its input.
-  bool thin() const {
-    const double reach = this->reach();
-    return std::any_of(tiles_.begin(), tiles_.end(), [&](const Tin& tile) {
-      const PlanMesh mesh = plan_mesh(tile);
-      return std::any_of(mesh.faces.begin(), mesh.faces.end(),
-                         [&](const Face& f) { return thickness(triangle(mesh.points, f)) <= 4 * reach; });
-    });
+    if (missing.size() > reported)
+      wrong_ << missing.size() << " vertices of the tiles are gone, " << reported << " were snapped or lost; ";
   }
 
   void judge_heights() {

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What mending may not take away: input vertices, heights beside cliffs, level surfaces, the border of an open mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/kinetic.hpp"
+#include "core/overlay.hpp"
+#include "core/predicates.hpp"
+#include "core/surface.hpp"
+#include "support/cells.hpp"
+#include "support/overlay_judge.hpp"
+#include "support/small_mesh.hpp"
+
+namespace terrane {
+namespace {
+
+using namespace support;
+
+Overlay overlaid(const Tin& a, const Tin& b, double snap = 0) {
+  Context context;
+  return overlay(a, b, {.snap = snap}, context);
+}
+
+bool has(const Overlay& o, Point2 p) { return std::find(o.points.begin(), o.points.end(), p) != o.points.end(); }
+
+Tin triangle_of(Point p, Point q, Point r) { return canonical(Tin{{p, q, r}, {{0, 1, 2}}}); }
+
+TEST(mending, a_vertex_an_ulp_outside_the_other_border_is_kept_with_its_tip) {
+  const Point tip{666.66666666666663, 333.33333333333331, -46};
+  const Tin a = triangle_of(tip, {833.33333333333337, 833.33333333333337, 999}, {666.66666666666663, 500, 0});
+  const Tin b = triangle_of({500, 500, 7}, {1000, 0, 7}, {1000, 500, 7});
+  for (const Overlay& o : {overlaid(a, b), overlaid(b, a)}) {
+    EXPECT_TRUE(has(o, plan(tip)));
+    EXPECT_EQ(o.rounding.lost, 0);
+  }
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
+TEST(mending, a_vertex_whose_tip_no_double_can_hold_is_reported) {
+  const Tin a = triangle_of({500866.02681963524, 4500594.8277261825, 480}, {500971.37122925604, 4500622.119633792, 259},
+                            {500885.29810000717, 4500599.8204013361, 564});
+  const Tin b = triangle_of({500866.0268196353, 4500594.8277261835, 480}, {500971.3712292561, 4500622.119633792, 259},
+                            {500885.29810000712, 4500599.8204013351, 564});
+  const Overlay o = overlaid(a, b);
+  Index missing = 0;
+  for (const Tin* tin : {&a, &b})
+    for (const Point& p : tin->vertices) missing += !has(o, plan(p));
+  EXPECT_EQ(o.rounding.lost, missing);
+}
+
+/// A is a cliff: a sliver thinner than the rounding of what crosses it, between two fat faces.
+TEST(mending, both_sides_of_a_cliff_thinner_than_rounding_keep_their_height) {
+  const Tin a = canonical(Tin{{{0.34813236446989482, 0.34375, 490.61696607153522},
+                               {0.18973697193380112, 0.640625, -55.369931218183751},
+                               {0.2956015594002005, 0.703125, 237.21361907203521},
+                               {0.375, 0.75, 342.50775930355724}},
+                              {{0, 2, 1}, {1, 2, 3}}});
+  const Tin b = canonical(Tin{{{-0.053391027398360213, 0.620092836178886, 147.74410155497029},
+                               {0.5, 0.75, 756.99126504121011},
+                               {0.43718253458908607, 0.61800729343689453, 120.26653422999664}},
+                              {{0, 2, 1}}});
+  const Overlay o = overlaid(a, b);
+  double truth = 0, found = 0;
+  for (const Cell& cell : shared_cells(a, b)) truth += cell.volume;
+  for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f) {
+    if (o.parents[f][0] == none || o.parents[f][1] == none) continue;
+    const auto at = [&](int k) { return o.points[o.faces[f][k]]; };
+    const Point2 p = at(0), q = at(1), r = at(2);
+    double z = 0;
+    for (int k = 0; k < 3; ++k) z += o.height(0, f, k) - o.height(1, f, k);
+    found += ((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)) / 6 * z;
+  }
+  EXPECT_NEAR(found, truth, 1e-11);
+}
+
+TEST(mending, a_report_bounds_the_spill_of_what_was_not_mended) {
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Point> points[2];
+    for (auto& some : points)
+      for (int k = 0; k < 12; ++k)
+        some.push_back({uniform(random, 500000, 500100), uniform(random, 4500000, 4500100), 0});
+    const Overlay o = overlaid(canonical(swept(points[0])), canonical(swept(points[1])));
+    EXPECT_GE(o.rounding.max_spill, o.rounding.max_move);
+    EXPECT_LE(o.rounding.max_spill, 3 * o.rounding.max_move);
+  }
+}
+
+TEST(snapping, the_nearest_vertex_may_lie_beyond_the_face_that_a_vertex_lies_in) {
+  const Tin a = canonical(Tin{{{0, 0, 0}, {10, 0, 0}, {5, 1e-4, 0}, {5, -8, 0}}, {{0, 1, 2}, {0, 3, 1}}});
+  const Tin b = triangle_of({5, -1e-4, 1}, {5, -20, 1}, {9, -20, 1});
+  const Overlay o = overlaid(a, b, 1e-3);
+  EXPECT_EQ(o.rounding.snapped, 1);
+  EXPECT_DOUBLE_EQ(o.rounding.max_snap, 2e-4);
+  EXPECT_FALSE(has(o, {5, -1e-4}));
+}
+
+TEST(snapping, only_vertices_that_are_nearest_to_each_other_become_one) {
+  // B's second vertex is nearer to A's (5, 0) than its first, and nearer still to another of A's.
+  const Tin a = canonical(Tin{{{5, 0, 0}, {5 + 3e-4, 0, 0}, {5, 9, 0}}, {{0, 1, 2}}});
+  const Tin b = canonical(Tin{{{5, -5e-4, 1}, {5 + 2e-4, -1e-5, 1}, {-3, -7, 1}}, {{0, 1, 2}}});
+  const Overlay o = overlaid(a, b, 1e-3);
+  EXPECT_EQ(o.rounding.snapped, 1);
+  EXPECT_TRUE(has(o, {5, -5e-4}));
+}
+
+TEST(zero_lines, a_level_surface_stays_level_where_a_steep_one_crosses_it) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Point> level, steep;
+    for (int k = 0; k < 8; ++k)
+      level.push_back({uniform(random, 500000, 500001), uniform(random, 4500000, 4500001), 7});
+    for (int k = 0; k < 12; ++k)
+      steep.push_back({uniform(random, 500000, 500001), uniform(random, 4500000, 4500001), uniform(random, -900, 900)});
+    Context context;
+    const Overlay o = split_where_surfaces_cross(overlaid(canonical(swept(steep)), canonical(swept(level))), context);
+    for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (o.parents[f][1] != none) ASSERT_EQ(o.height(1, f, k), 7) << i;
+  }
+}
+
+TEST(kinetic, a_vertex_crosses_an_open_border_by_taking_away_the_face_it_closes) {
+  PlanarMesh mesh{
+      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, -1}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, {0, 1, 2, 3}};
+  connect(mesh);
+  MeshEditor editor(mesh);
+  Context context;
+  const auto place = [](Index v) {
+    ExactPlace at;
+    if (v == 4) at.kind = ExactPlace::lattice, at.p = {2, 2};
+    return at;
+  };
+  EXPECT_EQ(move_kinetically(editor, {0}, place, context).vertices, 1);
+  int live = 0;
+  for (Index f = 0; f < 4; ++f)
+    if (editor.alive(f)) ++live, EXPECT_GT(editor.sign(f), 0);
+  EXPECT_EQ(live, 3);
+}
+
+}  // namespace
+}  // namespace terrane
