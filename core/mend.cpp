@@ -76,7 +76,7 @@ void split(Touched whole, std::vector<Face>& parts) {
 
 double height_rounding(double z) { return 1e-9 * std::max(1.0, std::fabs(z)); }
 
-std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const std::vector<Index>& places,
+std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const Array<Index>& places,
                                                      const std::vector<bool>& used) {
   const auto n = static_cast<Index>(tin.vertices.size());
   std::vector<bool> shared(n, false);

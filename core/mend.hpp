@@ -15,7 +15,7 @@ double height_rounding(double z);
 
 /// Makes the faces use one vertex per place and height; `used` says which vertices count. Of several the lowest number
 /// stays, at the lowest of their heights. Returns (vertex that went, vertex that stayed), by the former.
-std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const std::vector<Index>& places,
+std::vector<std::pair<Index, Index>> weld_duplicates(Tin& tin, const Array<Index>& places,
                                                      const std::vector<bool>& used);
 
 /// Splits faces at the places that lie on their edges (T-junctions, as examine_border lists them): the first part stays

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/corner_heights.hpp"
 #include "core/edge_cuts.hpp"
@@ -129,8 +130,8 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
   // new one, which the next round finds. Two rounds are common, three rare.
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
-    if (const auto tin = single_valued(surface)) {
-      result.tin = canonical(*tin);
+    if (auto tin = single_valued(surface)) {
+      result.tin = canonical(*std::move(tin));
       context.progress("assemble", 1);
       return result;
     }
@@ -142,7 +143,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
     if (cuts.empty()) {
       Walled walled = raise(surface, mesh.neighbours, assembly.seam == Seam::wall);
       result.wall_area = walled.wall_area;
-      result.tin = canonical(walled.tin);
+      result.tin = canonical(std::move(walled.tin));
       context.progress("assemble", 1);
       return result;
     }

@@ -50,6 +50,6 @@ Box bounds(const Tin& tin);
 
 /// The same surface in the one order that does not depend on the order given: vertices along a Hilbert curve of their
 /// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n).
-Tin canonical(const Tin& tin);
+Tin canonical(Tin tin);
 
 }  // namespace terrane

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
+#include "core/hilbert.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
@@ -42,7 +44,7 @@ class Cells {
   double x0_ = 0, y0_ = 0, sx_ = 0, sy_ = 0;
 };
 
-Turn turn_of(const Tin& tin, const std::vector<Index>& place, const Face& face) {
+Turn turn_of(const Tin& tin, const Array<Index>& place, const Face& face) {
   const auto n = static_cast<Index>(tin.vertices.size());
   for (const Index v : face)
     if (v < 0 || v >= n || !finite(tin.vertices[v])) return Turn::unusable;
@@ -83,40 +85,77 @@ void pair_up(Spoke* first, Spoke* last, Index low, PlanTopology& topology) {
   }
 }
 
-/// The half-edges, sorted into a bucket per lower end by counting.
-struct Spokes {
-  std::vector<Index> start;
-  std::vector<Spoke> all;
-};
-
-Spokes gather_spokes(const Tin& tin, const PlanTopology& topology) {
-  Spokes spokes;
-  spokes.start.assign(tin.vertices.size() + 2, 0);
-  const auto each = [&](auto&& use) {
-    for (Index f = 0; f < static_cast<Index>(tin.faces.size()); ++f) {
-      if (!topology.in_plan(f)) continue;
-      const Face& face = tin.faces[f];
-      const Face at = {topology.place[face[0]], topology.place[face[1]], topology.place[face[2]]};
-      const bool turned = topology.turn[f] == Turn::right;
-      for (Index k = 0; k < 3; ++k) {
-        const Index a = at[k], b = at[k == 2 ? 0 : k + 1];
-        const bool outward = (a < b) != turned;
-        use(std::min(a, b), Spoke{std::max(a, b), outward ? 3 * f + k : ~(3 * f + k)});
-      }
+/// Judges the faces and hangs their half-edges in a chain at the lower end of each, in order, linked through `mate`
+/// until the mate is known. Returns the first of each chain.
+Array<Index> hang_half_edges(const Tin& tin, PlanTopology& topology) {
+  Array<Index> first(tin.vertices.size(), none);
+  topology.turn.resize(tin.faces.size());
+  topology.mate.resize(3 * tin.faces.size());
+  for (auto f = static_cast<Index>(tin.faces.size()); f-- > 0;) {
+    const Face& face = tin.faces[f];
+    topology.turn[f] = turn_of(tin, topology.place, face);
+    if (!topology.in_plan(f)) {
+      for (Index k = 0; k < 3; ++k) topology.mate[3 * f + k] = no_half_edge;
+      continue;
     }
+    const Face at = {topology.place[face[0]], topology.place[face[1]], topology.place[face[2]]};
+    for (Index k = 3; k-- > 0;) {
+      Index& head = first[std::min(at[k], at[k == 2 ? 0 : k + 1])];
+      topology.mate[3 * f + k] = std::exchange(head, 3 * f + k);
+    }
+  }
+  return first;
+}
+
+/// Takes the chain at a vertex apart: its half-edges by their other end, each as yet without a mate.
+void take_spokes(const Tin& tin, Index low, Index chain, PlanTopology& topology, std::vector<Spoke>& spokes) {
+  spokes.clear();
+  while (chain != none) {
+    const Index h = chain, f = h / 3, k = h - 3 * f;
+    chain = std::exchange(topology.mate[h], no_mate);
+    const Index a = topology.place[tin.faces[f][k]], b = topology.place[tin.faces[f][k == 2 ? 0 : k + 1]];
+    const bool outward = (a == low) != (topology.turn[f] == Turn::right);
+    spokes.push_back({a == low ? b : a, outward ? h : ~h});
+  }
+  const auto before = [](const Spoke& a, const Spoke& b) {
+    return a.other != b.other ? a.other < b.other : a.half_edge() < b.half_edge();
   };
-  each([&](Index low, const Spoke&) { ++spokes.start[low + 2]; });
-  for (std::size_t v = 2; v < spokes.start.size(); ++v) spokes.start[v] += spokes.start[v - 1];
-  spokes.all.resize(spokes.start.back());
-  each([&](Index low, const Spoke& spoke) { spokes.all[spokes.start[low + 1]++] = spoke; });
-  return spokes;
+  std::sort(spokes.begin(), spokes.end(), before);
+}
+
+/// The same as places() below, where it needs no sorting: vertices stand along the Hilbert curve, so that equal places
+/// are neighbours. Empty when they do not, or some are not finite.
+Array<Index> places_along_curve(const std::vector<Point>& vertices) {
+  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
+  for (const Point& p : vertices) {
+    if (!finite(p)) return {};
+    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
+  }
+  const HilbertCurve curve(box);
+  const auto n = static_cast<Index>(vertices.size());
+  Array<Index> place(n);
+  std::uint64_t last = 0;
+  for (Index v = 0; v < n; ++v) {
+    const Point& p = vertices[v];
+    const std::uint64_t key = curve.key(p.x, p.y);
+    place[v] = v;
+    if (v > 0 && key <= last) {
+      const Point& q = vertices[v - 1];
+      if (key < last || q.x > p.x || (q.x == p.x && q.y > p.y)) return {};
+      if (plan(q) == plan(p)) place[v] = place[v - 1];
+    }
+    last = key;
+  }
+  return place;
 }
 
 }  // namespace
 
-std::vector<Index> places(const std::vector<Point>& vertices) {
+Array<Index> places(const std::vector<Point>& vertices) {
+  Array<Index> place = places_along_curve(vertices);
+  if (!place.empty()) return place;
   const auto n = static_cast<Index>(vertices.size());
-  std::vector<Index> place(n);
+  place.resize(n);
   const Cells cells(vertices);
   std::vector<Index> start(cells.count() + 2, 0), cell(n), order;
   for (Index v = 0; v < n; ++v) {
@@ -144,30 +183,23 @@ std::vector<Index> places(const std::vector<Point>& vertices) {
 
 PlanTopology plan_topology(const Tin& tin) { return plan_topology(tin, places(tin.vertices)); }
 
-PlanTopology plan_topology(const Tin& tin, std::vector<Index> places) {
+PlanTopology plan_topology(const Tin& tin, Array<Index> places) {
   PlanTopology topology;
   topology.place = std::move(places);
-  topology.turn.reserve(tin.faces.size());
-  for (const Face& face : tin.faces) topology.turn.push_back(turn_of(tin, topology.place, face));
-  topology.mate.assign(3 * tin.faces.size(), no_mate);
-  Spokes spokes = gather_spokes(tin, topology);
-  const auto before = [](const Spoke& a, const Spoke& b) {
-    return a.other != b.other ? a.other < b.other : a.half_edge() < b.half_edge();
-  };
-  for (std::size_t v = 0; v < tin.vertices.size(); ++v) {
-    Spoke *first = spokes.all.data() + spokes.start[v], *last = spokes.all.data() + spokes.start[v + 1];
-    std::sort(first, last, before);
-    while (first != last) {
-      Spoke* end = first + 1;
-      while (end != last && end->other == first->other) ++end;
-      pair_up(first, end, static_cast<Index>(v), topology);
-      first = end;
+  const Array<Index> first = hang_half_edges(tin, topology);
+  std::vector<Spoke> spokes;
+  for (Index v = 0; v < static_cast<Index>(first.size()); ++v) {
+    if (first[v] == none) continue;
+    take_spokes(tin, v, first[v], topology, spokes);
+    for (Spoke *spoke = spokes.data(), *last = spoke + spokes.size(); spoke != last;) {
+      Spoke* end = spoke + 1;
+      while (end != last && end->other == spoke->other) ++end;
+      pair_up(spoke, end, v, topology);
+      spoke = end;
     }
   }
-  for (Index h = 0; h < static_cast<Index>(topology.mate.size()); ++h) {
-    if (!topology.in_plan(h / 3)) topology.mate[h] = no_half_edge;
+  for (Index h = 0; h < static_cast<Index>(topology.mate.size()); ++h)
     if (topology.mate[h] == no_mate) topology.border.push_back(h);
-  }
   return topology;
 }
 

@@ -69,7 +69,7 @@ class Audit {
   Tin tin_;
   std::size_t limit_;
   std::vector<Index> original_;  // per face: its number in the input
-  std::vector<Index> places_;
+  Array<Index> places_;
   std::vector<bool> used_;
   PlanTopology topology_;
   Mending mending_;
