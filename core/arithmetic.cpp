@@ -25,22 +25,44 @@ bool content_before(const Tin& a, const Tin& b) {
 class Folder {
  public:
   /// `signs` of the two heights; with Outside::keep both are +1.
-  Folder(const Overlay& overlay, std::array<int, 2> signs, Outside outside)
-      : overlay_(overlay), signs_(signs), outside_(outside) {}
+  Folder(Overlay overlay, std::array<int, 2> signs, Outside outside)
+      : overlay_(std::move(overlay)), signs_(signs), outside_(outside) {}
 
-  CornerSurface run() {
+  /// Where both inputs are continuous and only their overlap is kept, each place has one height: no corner is asked.
+  bool one_height_per_place() const {
+    return outside_ == Outside::drop && !overlay_.per_corner[0] && !overlay_.per_corner[1];
+  }
+
+  Tin by_place() const {
+    Tin tin;
+    tin.vertices.reserve(overlay_.points.size());
+    for (std::size_t v = 0; v < overlay_.points.size(); ++v) {
+      double z = 0;
+      for (int input : {0, 1}) z += signs_[input] * overlay_.heights[input][v];
+      tin.vertices.push_back({overlay_.points[v].x, overlay_.points[v].y, z});
+    }
+    tin.faces.reserve(overlay_.faces.size());
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
+      if (both(f)) tin.faces.push_back(overlay_.faces[f]);
+    return tin;
+  }
+
+  CornerSurface by_corner() {
     CornerSurface surface;
-    surface.points = overlay_.points;
-    for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) {
-      const bool both = overlay_.parents[f][0] != none && overlay_.parents[f][1] != none;
-      if (!both && outside_ == Outside::drop) continue;
+    surface.points = std::move(overlay_.points);
+    surface.faces.reserve(overlay_.faces.size());
+    surface.z.reserve(3 * overlay_.faces.size());
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f) {
+      if (!both(f) && outside_ == Outside::drop) continue;
       surface.faces.push_back(overlay_.faces[f]);
-      for (int k = 0; k < 3; ++k) surface.z.push_back(height(f, k));
+      for (int k = 0; k < 3; ++k) surface.z.push_back(height(static_cast<Index>(f), k));
     }
     return surface;
   }
 
  private:
+  bool both(std::size_t f) const { return overlay_.parents[f][0] != none && overlay_.parents[f][1] != none; }
+
   double height(Index f, int k) const {
     double sum = 0;
     for (int input : {0, 1})
@@ -48,7 +70,7 @@ class Folder {
     return sum;
   }
 
-  const Overlay& overlay_;
+  Overlay overlay_;
   std::array<int, 2> signs_;
   Outside outside_;
 };
@@ -60,10 +82,18 @@ Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const A
     throw Error(ErrorKind::usage, "outside",
                 "a difference has no height of its own outside the overlap; use drop or zero");
   const bool swap = content_before(b, a);
-  const Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
+  Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
+  const RoundingReport rounding = overlaid.rounding;
   const std::array<int, 2> signs = swap ? std::array{sign, 1} : std::array{1, sign};
-  Assembled result = assemble(Folder(overlaid, signs, outside).run(), assembly, context);
-  accumulate(result.rounding, overlaid.rounding);
+  Folder folder(std::move(overlaid), signs, outside);
+  Assembled result;
+  if (folder.one_height_per_place()) {
+    result.tin = canonical(folder.by_place());
+    context.progress("assemble", 1);
+  } else {
+    result = assemble(folder.by_corner(), assembly, context);
+  }
+  accumulate(result.rounding, rounding);
   return result;
 }
 

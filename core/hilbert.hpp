@@ -40,7 +40,9 @@ struct HilbertTable {
 class HilbertCurve {
  public:
   explicit HilbertCurve(const Box& box)
-      : x_(box.xmin), y_(box.ymin), half_extent_(std::max(0.5 * box.xmax - 0.5 * box.xmin, 0.5 * box.ymax - 0.5 * box.ymin)) {}
+      : x_(box.xmin),
+        y_(box.ymin),
+        half_extent_(std::max(0.5 * box.xmax - 0.5 * box.xmin, 0.5 * box.ymax - 0.5 * box.ymin)) {}
 
   std::uint64_t key(double px, double py) const {
     const std::uint32_t x = cell(px, x_), y = cell(py, y_);

@@ -90,8 +90,7 @@ Face from_lowest(Index a, Index b, Index c) {
 /// so that no more memory than one link each is touched before they are written in their order.
 std::vector<Face> sorted_faces(const std::vector<Face>& faces, std::size_t vertex_count) {
   Array<Index> first(vertex_count, none), next(faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    next[f] = std::exchange(first[faces[f][0]], static_cast<Index>(f));
+  for (std::size_t f = 0; f < faces.size(); ++f) next[f] = std::exchange(first[faces[f][0]], static_cast<Index>(f));
   std::vector<Face> sorted;
   sorted.reserve(faces.size());
   for (const Index head : first) {

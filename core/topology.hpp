@@ -26,9 +26,9 @@ enum class Turn : std::int8_t {
 inline constexpr Index no_mate = -1, no_half_edge = -2;
 
 struct PlanTopology {
-  Array<Index> place;        // per vertex: the lowest vertex at the same x and y
-  Array<Turn> turn;          // per face
-  Array<Index> mate;         // per half-edge: the one that runs the other way between the same two places
+  Array<Index> place;         // per vertex: the lowest vertex at the same x and y
+  Array<Turn> turn;           // per face
+  Array<Index> mate;          // per half-edge: the one that runs the other way between the same two places
   std::vector<Index> border;  // the half-edges without a mate, in order
   std::vector<std::array<Index, 2>> crowded;  // plan edges (lower, higher place) used by two faces on one side
 

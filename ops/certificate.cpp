@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "core/parallel.hpp"
 #include "core/volume.hpp"
@@ -17,7 +16,7 @@ namespace {
 
 std::string crs_id(const Crs& crs) { return crs.known() ? crs.id() : ""; }
 
-nlohmann::json output_json(const Tin& tin, const Inspection& seen, const Crs& crs) {
+nlohmann::json output_json(const Inspection& seen, const Crs& crs, double area_2d) {
   const Units units = units_of(crs);
   return {{"crs", crs_id(crs)},
           {"units", {{"length", units.length}, {"height", units.height}, {"area", units.area}}},
@@ -26,7 +25,7 @@ nlohmann::json output_json(const Tin& tin, const Inspection& seen, const Crs& cr
           {"walls", seen.walls},
           {"components", seen.components},
           {"holes", seen.holes},
-          {"area_2d", domain_area(tin, crs)}};
+          {"area_2d", area_2d}};
 }
 
 /// What is not exact by design: rasters that were simplified.
@@ -60,8 +59,8 @@ bool next_subset(std::vector<bool>& out, const std::vector<bool>& may) {
 }
 
 /// One vertex of the result, with its inputs near a border taken to be there or not, as fits better.
-void check_height(const Point& p, const std::vector<std::unique_ptr<HeightField>>& fields, const HeightFold& fold,
-                  double radius, HeightCheck& check) {
+void check_height(const Point& p, const HeightFields& fields, const HeightFold& fold, double radius,
+                  HeightCheck& check) {
   std::vector<std::optional<HeightRange>> z(fields.size());
   std::vector<bool> border(fields.size()), out(fields.size());
   std::size_t optional_count = 0;
@@ -85,12 +84,10 @@ void check_height(const Point& p, const std::vector<std::unique_ptr<HeightField>
 
 }  // namespace
 
-HeightCheck check_heights(const Tin& result, const std::vector<const Tin*>& inputs, const HeightFold& fold,
+HeightCheck check_heights(const Tin& result, const HeightFields& fields, const HeightFold& fold,
                           const RoundingReport& rounding, Context& context) {
   if (!fold || result.vertices.empty()) return {};
   context.progress("verify", 0);
-  std::vector<std::unique_ptr<HeightField>> fields(inputs.size());
-  parallel_tasks(context, inputs.size(), [&](std::size_t i) { fields[i] = std::make_unique<HeightField>(*inputs[i]); });
   const Box box = bounds(result);
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double radius = 2 * (rounding.max_move + rounding.max_snap) + 4 * 2.3e-16 * largest;
@@ -148,10 +145,11 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                            const Context& context) {
   const Tin& tin = std::get<Tin>(outcome.result);
   const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
+  const double plan_area = area(tin, nullptr);
   nlohmann::json balance;
   if (outcome.expected_area) {
     // In squared CRS units, degrees included: this is about the mesh, not about the ground.
-    const double actual = area(tin, nullptr);
+    const double actual = plan_area;
     balance = {{"expected", *outcome.expected_area}, {"actual", actual}, {"residual", actual - *outcome.expected_area}};
   }
   nlohmann::json made = {{"type", "Certificate"},
@@ -159,7 +157,7 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                          {"operation", plan.operation->id},
                          {"parameters", deciding(plan.parameters)},
                          {"inputs", inputs_json(frame)},
-                         {"output", output_json(tin, seen, frame.crs)},
+                         {"output", output_json(seen, frame.crs, domain_area(tin, frame.crs, plan_area))},
                          {"topology",
                           {{"inverted", seen.inverted},
                            {"degenerate", seen.degenerate},

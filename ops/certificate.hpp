@@ -15,7 +15,7 @@ struct HeightCheck {
   std::size_t points = 0;
   double max_error = 0;
 };
-HeightCheck check_heights(const Tin& result, const std::vector<const Tin*>& inputs, const HeightFold& fold,
+HeightCheck check_heights(const Tin& result, const HeightFields& fields, const HeightFold& fold,
                           const RoundingReport& rounding, Context& context);
 
 /// The certificate of a result that is a TIN.

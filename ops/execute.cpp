@@ -8,6 +8,7 @@
 #include "ops/certificate.hpp"
 #include "ops/frame.hpp"
 #include "ops/grid.hpp"
+#include "ops/heights.hpp"
 #include "ops/input_format.hpp"
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
@@ -175,9 +176,10 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
   response.media_type = media_type_of(plan.output_format);
   response.file_name = plan.operation->id + extension_of(plan.output_format);
   if (const Tin* tin = std::get_if<Tin>(&outcome.result)) {
+    if (outcome.expected_height && outcome.fields.empty()) outcome.fields = height_fields(tins_of(surfaces), context);
     const auto check = [&] {
       const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
-      return check_heights(*tin, tins_of(surfaces), outcome.expected_height, rounding, context);
+      return check_heights(*tin, outcome.fields, outcome.expected_height, rounding, context);
     };
     HeightCheck heights = check();
     warn_of_heights(heights, *tin, context);

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
 
@@ -38,14 +40,16 @@ std::pair<double, double> strip_range(const std::array<Point2, 3>& t, double ylo
 
 }  // namespace
 
-HeightField::HeightField(const Tin& tin) : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
+HeightField::HeightField(const Tin& tin, int faces_per_cell)
+    : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
   const PlanTopology topology = plan_topology(tin);
   for (Index h : topology.border) {
     border_[h] = true;
     border_edges_.push_back({plan(tin.vertices[topology.from(tin, h)]), plan(tin.vertices[topology.to(tin, h)])});
   }
   const double width = std::max(box_.xmax - box_.xmin, 0.0), height = std::max(box_.ymax - box_.ymin, 0.0);
-  const double side = std::sqrt(std::max(width * height, 1e-300) / std::max<std::size_t>(tin.faces.size() / 2, 1));
+  const double side =
+      std::sqrt(std::max(width * height, 1e-300) / std::max<std::size_t>(tin.faces.size() / faces_per_cell, 1));
   columns_ = cells_along(width, side);
   rows_ = cells_along(height, side);
   cell_x_ = width > 0 ? width / columns_ : 1;
@@ -147,6 +151,12 @@ std::optional<double> HeightField::nearest(Point2 place) const {
     if (best.distance2 == 0 || best.distance2 <= sure * sure) return best.z;
   }
   return {};
+}
+
+HeightFields height_fields(const std::vector<const Tin*>& tins, Context& context) {
+  HeightFields fields(tins.size());
+  parallel_tasks(context, tins.size(), [&](std::size_t i) { fields[i] = std::make_shared<HeightField>(*tins[i], 16); });
+  return fields;
 }
 
 }  // namespace terrane

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/context.hpp"
 #include "core/tin.hpp"
 #include "ops/outcome.hpp"
 
@@ -13,8 +14,9 @@ namespace terrane {
 
 class HeightField {
  public:
-  /// Keeps a reference to the TIN. O(n log n), about 20 bytes per face.
-  explicit HeightField(const Tin& tin);
+  /// Keeps a reference to the TIN. O(n log n). The more faces a cell has the less is built, and the longer a question
+  /// takes: two for a question per face, more for a few thousand in all.
+  explicit HeightField(const Tin& tin, int faces_per_cell = 2);
 
   struct Reading {
     bool found = false;  // a face lies within the radius
@@ -23,6 +25,11 @@ class HeightField {
   };
   /// Heights at a place, or within `radius` of it. Walls are looked through.
   Reading at(Point2 place, double radius) const;
+
+  /// No face at all.
+  bool empty() const { return tin_.faces.empty(); }
+  /// The smallest box around all vertices.
+  const Box& box() const { return box_; }
 
   /// The edges of the domain's border, the domain on the left.
   const std::vector<std::array<Point2, 2>>& border() const { return border_edges_; }
@@ -48,5 +55,8 @@ class HeightField {
   std::vector<std::size_t> start_;  // per cell
   std::vector<Index> faces_;
 };
+
+/// Fields for a few thousand questions each, made side by side.
+HeightFields height_fields(const std::vector<const Tin*>& tins, Context& context);
 
 }  // namespace terrane

@@ -41,8 +41,14 @@ Units units_of(const Crs& crs) {
 
 double domain_area(const Tin& tin, const Crs& crs) {
   if (impossible(tin, crs)) return std::numeric_limits<double>::quiet_NaN();
+  const bool geographic = crs.known() && crs.geographic();
+  return domain_area(tin, crs, geographic ? 0 : area(tin, nullptr));
+}
+
+double domain_area(const Tin& tin, const Crs& crs, double plan_area) {
+  if (impossible(tin, crs)) return std::numeric_limits<double>::quiet_NaN();
   if (crs.known() && crs.geographic()) return area(tin, ellipsoidal_area_scale(crs));
-  return area(tin, nullptr) * units_of(crs).area_factor;
+  return plan_area * units_of(crs).area_factor;
 }
 
 double distance(Point2 a, Point2 b, const Crs& crs) {

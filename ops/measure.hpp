@@ -21,6 +21,8 @@ Units units_of(const Crs& crs);
 
 /// The area of the domain in `units_of(crs).area`.
 double domain_area(const Tin& tin, const Crs& crs);
+/// The same where its area in squared plan units is known.
+double domain_area(const Tin& tin, const Crs& crs, double plan_area);
 
 struct Outline {
   std::size_t edges = 0, loops = 0;

@@ -2,6 +2,7 @@
 #include "core/arithmetic.hpp"
 #include "core/merge.hpp"
 #include "core/volume.hpp"
+#include "ops/heights.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"
 #include "ops/operations.hpp"
@@ -48,7 +49,8 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   if (sum.tin.faces.empty()) refuse_no_overlap(a, b, "outside=keep");
 
   const double apart = area(a.tin(), nullptr) + area(b.tin(), nullptr);
-  if (const auto united = union_area({&a.tin(), &b.tin()}, context))
+  outcome.fields = height_fields({&a.tin(), &b.tin()}, context);
+  if (const auto united = union_area(outcome.fields, context))
     outcome.expected_area = p.outside == Outside::drop ? apart - *united : *united;
   // What the two say of each other, as a merge would report it.
   Merged measured = merge({a.tin(), b.tin()}, {Overlap::first, {Seam::split, 0}}, context);

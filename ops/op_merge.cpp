@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/merge.hpp"
+#include "ops/heights.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"
 #include "ops/operations.hpp"
@@ -67,8 +68,9 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   const double tolerance = p.z_tolerance.in(crs.known() ? crs.metres_per_height_unit() : 1.0);
   Outcome outcome;
   std::vector<const Tin*> all;
-  for (const Tin& tile : tiles) all.push_back(&tile);
-  outcome.expected_area = union_area(all, context);
+  for (const Surface& s : inputs) all.push_back(&s.tin());
+  outcome.fields = height_fields(all, context);
+  outcome.expected_area = union_area(outcome.fields, context);
   Merged merged = merge(tiles, {p.overlap, {p.seam, tolerance}}, context);
   if (merged.surface.max_closed_jump > 0 && tolerance > 0)
     context.warn(

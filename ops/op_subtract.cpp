@@ -2,7 +2,9 @@
 #include <algorithm>
 
 #include "core/arithmetic.hpp"
+#include "core/predicates.hpp"
 #include "core/volume.hpp"
+#include "ops/heights.hpp"
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
@@ -36,6 +38,17 @@ HeightFold difference_of_heights(Outside outside) {
   };
 }
 
+/// Whether the area of a surface in plan exceeds a bound: most often a few faces are enough to tell.
+bool larger_than(const Tin& tin, double bound) {
+  double sum = 0;
+  for (const Face& f : tin.faces) {
+    sum += 0.5 *
+           std::max(0.0, area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]])));
+    if (sum > bound) return true;
+  }
+  return false;
+}
+
 Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& context) {
   Surface &minuend = input(inputs, "minuend"), &subtrahend = input(inputs, "subtrahend");
   Outcome outcome;
@@ -48,13 +61,15 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
   warn_feet_beside_metres(minuend, subtrahend, context);
   const double area_a = area(minuend.tin(), nullptr), area_b = area(subtrahend.tin(), nullptr);
   // The overlap by the borders alone is what the difference's area is held against.
-  const auto united = union_area({&minuend.tin(), &subtrahend.tin()}, context);
+  outcome.fields = height_fields({&minuend.tin(), &subtrahend.tin()}, context);
+  const auto united = union_area(outcome.fields, context);
   Assembled difference = combine(minuend.tin(), subtrahend.tin(), -1, p.outside, {p.seam, 0}, context);
   // Whether they overlap is for the overlay to say, where it returns nothing but the overlap.
-  const double overlap = p.outside == Outside::drop ? area(difference.tin, nullptr)
-                         : united                   ? area_a + area_b - *united
-                                                    : std::min(area_a, area_b);
-  if (difference.tin.faces.empty() || overlap <= 1e-12 * std::min(area_a, area_b)) {
+  const double least = 1e-12 * std::min(area_a, area_b);
+  const bool overlapping = p.outside == Outside::drop ? larger_than(difference.tin, least)
+                           : united                   ? area_a + area_b - *united > least
+                                                      : std::min(area_a, area_b) > least;
+  if (difference.tin.faces.empty() || !overlapping) {
     if (!p.allow_empty) refuse_no_overlap(minuend, subtrahend);
     if (p.outside == Outside::drop) warn_no_overlap(minuend, subtrahend, context);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -24,12 +25,17 @@ struct HeightRange {
 /// surface): the operation written a second time, on single points, to check the mesh against. None: no surface.
 using HeightFold = std::function<std::optional<HeightRange>(const std::vector<std::optional<HeightRange>>& inputs)>;
 
+class HeightField;
+/// One for each input that is a TIN, in their order. They look at these: a run that makes them leaves its inputs alone.
+using HeightFields = std::vector<std::shared_ptr<const HeightField>>;
+
 /// What an operation's run returns.
 struct Outcome {
   std::variant<Tin, Picture, nlohmann::json> result;
   std::string csv;  // the report as a table, where the operation has one
   std::optional<RoundingReport> rounding;
   HeightFold expected_height;  // null: nothing to check heights against
+  HeightFields fields;         // where the run has needed them; else the check makes its own
   std::optional<double> expected_area;  // of the result in plan, in squared CRS units
   nlohmann::json certificate = nlohmann::json::object();  // joins the certificate: "seams"
   bool verify = true;  // false: returned whatever its topology is (convert)

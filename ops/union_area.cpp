@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "ops/heights.hpp"
 
@@ -35,16 +34,16 @@ struct Edge {
 struct Tile {
   Box box;
   std::vector<Edge> edges;
-  std::unique_ptr<HeightField> field;
+  std::shared_ptr<const HeightField> field;
 };
 
 bool apart(const Box& a, const Box& b) {
   return a.xmax < b.xmin || b.xmax < a.xmin || a.ymax < b.ymin || b.ymax < a.ymin;
 }
 
-Tile tile_of(const Tin& tin) {
-  Tile tile{bounds(tin), {}, std::make_unique<HeightField>(tin)};
-  for (const auto& [p, q] : tile.field->border()) tile.edges.push_back({p, q});
+Tile tile_of(std::shared_ptr<const HeightField> field) {
+  Tile tile{field->box(), {}, field};
+  for (const auto& [p, q] : field->border()) tile.edges.push_back({p, q});
   return tile;
 }
 
@@ -197,13 +196,11 @@ std::optional<double> by_slabs(const std::vector<Tile>& tiles, Context& context)
 
 }  // namespace
 
-std::optional<double> union_area(const std::vector<const Tin*>& tins, Context& context) {
-  std::vector<const Tin*> some;
-  for (const Tin* tin : tins)
-    if (!tin->faces.empty()) some.push_back(tin);
-  if (some.empty()) return 0;
-  std::vector<Tile> tiles(some.size());
-  parallel_tasks(context, some.size(), [&](std::size_t i) { tiles[i] = tile_of(*some[i]); });
+std::optional<double> union_area(const HeightFields& fields, Context& context) {
+  std::vector<Tile> tiles;
+  for (const auto& field : fields)
+    if (!field->empty()) tiles.push_back(tile_of(field));
+  if (tiles.empty()) return 0;
   double extent = 0, largest = 0;
   for (const Tile& t : tiles) {
     extent = std::max({extent, t.box.xmax - t.box.xmin, t.box.ymax - t.box.ymin});

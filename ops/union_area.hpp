@@ -2,10 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "core/context.hpp"
-#include "core/tin.hpp"
+#include "ops/outcome.hpp"
 
 namespace terrane {
 
@@ -15,6 +14,6 @@ namespace terrane {
 /// so near that rounding decides the side, the union is measured slab by slab instead. Good to about 1e-12 of the
 /// union's box. None, with a warning, where that would take too long.
 /// O(n log n) for n faces, plus the crossings of the borders; by slabs, border edges times slabs they span.
-std::optional<double> union_area(const std::vector<const Tin*>& tiles, Context& context);
+std::optional<double> union_area(const HeightFields& tiles, Context& context);
 
 }  // namespace terrane

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ops/heights.hpp"
+
 using namespace terrane;
 
 namespace {
@@ -15,7 +17,7 @@ double area_of(std::vector<Tin> tiles) {
   Context context;
   std::vector<const Tin*> pointers;
   for (const Tin& tin : tiles) pointers.push_back(&tin);
-  return union_area(pointers, context).value();
+  return union_area(height_fields(pointers, context), context).value();
 }
 
 }  // namespace
