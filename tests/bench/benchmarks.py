@@ -47,7 +47,11 @@ def main():
         wanted.rounds = max(1, options.rounds or wanted.rounds)
         subject = Subject(runner, Baselines(runner, os.path.abspath(folder)), wanted, options.output)
         written = []
-        for name in options.only or SECTIONS:
+        for name in SECTIONS:
+            if options.only and name not in options.only:
+                written.append(document.Section(name.capitalize(), ''))
+                written[-1].cannot('the section', 'not asked for')
+                continue
             runner.progress(f'{name}:')
             try:
                 written.append(SECTIONS[name](subject))
