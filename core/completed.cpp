@@ -56,33 +56,46 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
   return place_of;
 }
 
-void add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
-  mesh.links.reserve(tin.faces.size() + tin.faces.size() / 8 + 256);  // ghosts will follow
+/// The edge of half-edge h and its twin t (none on the box). Which of the two defines it is read off coordinates, so that
+/// what is computed along it does not depend on the order of the faces.
+void add_edge(CompletedMesh& mesh, Index h, Index t, std::uint8_t sides) {
+  const Point2 from = mesh.at(mesh.origin(h)), to = mesh.at(mesh.target(h));
+  const bool forward = t == none || from.x < to.x || (from.x == to.x && from.y < to.y);
+  const Index e = mesh.edges();
+  mesh.links[h >> 2].edge[h & 3] = 2 * e + !forward;
+  if (t != none) mesh.links[t >> 2].edge[t & 3] = 2 * e + forward;
+  mesh.half.push_back(forward ? h : t);
+  mesh.sides.push_back(sides);
+}
+
+/// Adds the faces that have an area and pairs their half-edges over shared edges. Those that wait for their twin hang in
+/// a chain at the lower of their ends, linked through `twin` until it is known; edges of a valid TIN have two at most.
+/// Returns those that wait for ever: the border.
+std::vector<Index> add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
+  const std::size_t n = tin.faces.size();
+  mesh.links.reserve(n + n / 8 + 256);  // ghosts will follow
+  mesh.half.reserve(n * 3 / 2 + n / 8 + 256);
+  mesh.sides.reserve(n * 3 / 2 + n / 8 + 256);
+  mesh.out.assign(mesh.places.size() + 4, none);
+  Array<Index> waiting(mesh.places.size(), none);
+  const auto twin = [&](Index h) -> Index& { return mesh.links[h >> 2].twin[h & 3]; };
   bool walls = false;
-  for (std::size_t f = 0; f < tin.faces.size(); ++f) {
+  for (std::size_t f = 0; f < n; ++f) {
     const Face& face = tin.faces[f];
-    const Index a = place_of[face[0]], b = place_of[face[1]], c = place_of[face[2]];
-    const bool wall = a == b || b == c || c == a;
+    const Index corner[3] = {place_of[face[0]], place_of[face[1]], place_of[face[2]]};
+    const bool wall = corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0];
     if (wall && !walls) {  // from here on the numbers differ
       mesh.face_in_tin.resize(f);
       std::iota(mesh.face_in_tin.begin(), mesh.face_in_tin.end(), 0);
       walls = true;
     }
     if (wall) continue;
-    mesh.links.push_back({{a, b, c}, {none, none, none}, {}});
     if (walls) mesh.face_in_tin.push_back(static_cast<Index>(f));
-  }
-  mesh.real_faces = mesh.faces();
-}
-
-/// Pairs half-edges over shared edges. Those that wait for their twin hang in a chain at the lower of their ends,
-/// linked through `twin` until it is known; edges of a valid TIN have two at most.
-void pair_real_halves(CompletedMesh& mesh) {
-  const auto twin = [&](Index h) -> Index& { return mesh.links[h >> 2].twin[h & 3]; };
-  Array<Index> waiting(mesh.places.size(), none);
-  for (Index f = 0; f < mesh.faces(); ++f)
-    for (Index h = 4 * f; h < 4 * f + 3; ++h) {
-      const Index u = mesh.origin(h), w = mesh.target(h), low = std::min(u, w);
+    const Index first = 4 * mesh.faces();
+    mesh.links.push_back({{corner[0], corner[1], corner[2]}, {none, none, none}, {}});
+    for (int k = 0; k < 3; ++k) {
+      const Index h = first + k, u = corner[k], w = corner[k == 2 ? 0 : k + 1], low = std::min(u, w);
+      if (mesh.out[u] == none) mesh.out[u] = h;
       Index* link = &waiting[low];
       while (*link != none && !(mesh.origin(*link) == w && mesh.target(*link) == u)) link = &twin(*link);
       if (*link == none) {
@@ -92,77 +105,62 @@ void pair_real_halves(CompletedMesh& mesh) {
         *link = twin(t);
         twin(t) = h;
         twin(h) = t;
+        add_edge(mesh, h, t, 2);
       }
     }
-  for (Index h : waiting)  // these are the border
-    while (h != none) h = std::exchange(twin(h), none);
+  }
+  mesh.real_faces = mesh.faces();
+  std::vector<Index> border;
+  for (Index h : waiting)
+    while (h != none) {
+      border.push_back(h);
+      h = std::exchange(twin(h), none);
+    }
+  return border;
 }
 
-/// Fills the rest of the box with ghost faces and links them. False when the border crosses itself or has two places in
-/// one.
-bool add_ghosts(CompletedMesh& mesh, const Box& box) {
+/// Fills the rest of the box with ghost faces and links them. `border`: the half-edges without a twin. False when the
+/// border crosses itself or has two places in one.
+bool add_ghosts(CompletedMesh& mesh, const std::vector<Index>& border, const Box& box) {
   const Index n = static_cast<Index>(mesh.places.size());
   mesh.places.insert(mesh.places.end(),
                      {{box.xmin, box.ymin}, {box.xmax, box.ymin}, {box.xmax, box.ymax}, {box.xmin, box.ymax}});
   mesh.z.insert(mesh.z.end(), 4, std::numeric_limits<double>::quiet_NaN());
-  std::vector<BorderEdge> border;  // as the exterior sees them: the outside on the left
-  for (Index f = 0; f < mesh.faces(); ++f)
-    for (Index h = 4 * f; h < 4 * f + 3; ++h)
-      if (mesh.twin(h) == none) border.push_back({mesh.target(h), mesh.origin(h), h});
-  for (Index k = 0; k < 4; ++k) border.push_back({n + k, n + (k + 1) % 4, none});
-  const FilledRegion filled = fill_region(mesh.places, border);
+  std::vector<BorderEdge> outside;  // the border as the exterior sees it: the outside on the left
+  outside.reserve(border.size() + 4);
+  for (const Index h : border) outside.push_back({mesh.target(h), mesh.origin(h), h});
+  for (Index k = 0; k < 4; ++k) outside.push_back({n + k, n + (k + 1) % 4, none});
+  const FilledRegion filled = fill_region(mesh.places, outside);
   if (!filled.sound) return false;
   const Index first = mesh.faces();
   for (const Face& f : filled.faces) mesh.links.push_back({{f[0], f[1], f[2]}, {none, none, none}, {}});
   for (std::size_t i = 0; i < filled.faces.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const Index h = 4 * (first + static_cast<Index>(i)) + k, other = filled.across[i][k];
-      if (other >= 0) {
-        mesh.links[h >> 2].twin[k] = 4 * first + other;
-      } else if (const Index b = border[-1 - other].tag; b != none) {
-        mesh.links[h >> 2].twin[k] = b;
-        mesh.links[b >> 2].twin[b & 3] = h;
-      }
+      const Index t = other >= 0 ? 4 * first + other : outside[-1 - other].tag;
+      mesh.links[h >> 2].twin[k] = t;
+      if (mesh.out[mesh.origin(h)] == none || t == none) mesh.out[mesh.origin(h)] = h;
+      if (other >= 0 && t < h) continue;  // the edge was added with its twin
+      if (other < 0 && t != none) mesh.links[t >> 2].twin[t & 3] = h;
+      add_edge(mesh, h, t, other < 0 ? 1 : 0);  // a border's one real side; on the box the exterior
     }
   return true;
 }
 
-void number_edges(CompletedMesh& mesh) {
-  mesh.out.assign(mesh.places.size(), none);
-  mesh.half.reserve(mesh.links.size() * 3 / 2 + 8);
-  mesh.sides.reserve(mesh.links.size() * 3 / 2 + 8);
-  const auto lower = [](Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); };
-  for (Index f = 0; f < mesh.faces(); ++f)
-    for (Index h = 4 * f; h < 4 * f + 3; ++h) {
-      const Index t = mesh.twin(h), from = mesh.origin(h);
-      if (mesh.out[from] == none || t == none) mesh.out[from] = h;
-      if (t != none && t < h) continue;  // numbered with its twin
-      // Which half-edge defines the edge is read off its coordinates, so that what is computed along it does not depend
-      // on the order of the faces.
-      const bool forward = t == none || lower(mesh.at(from), mesh.at(mesh.target(h)));
-      const Index e = mesh.edges();
-      mesh.links[f].edge[h & 3] = 2 * e + !forward;
-      if (t != none) mesh.links[t >> 2].edge[t & 3] = 2 * e + forward;
-      mesh.half.push_back(forward ? h : t);
-      mesh.sides.push_back(t == none ? 1 : mesh.real(h >> 2) + mesh.real(t >> 2));
-    }
-}
-
-/// All but the numbers of edges; false when the border does not bound.
+/// False when the border does not bound.
 bool link(const Tin& tin, const Box& box, const std::vector<Point2>* moved, Search search, CompletedMesh& mesh) {
   mesh = {};
-  add_real_faces(tin, number_places(tin, moved, {}, search, mesh), mesh);
+  std::vector<Index> border = add_real_faces(tin, number_places(tin, moved, {}, search, mesh), mesh);
   if (!mesh.face_in_tin.empty()) {  // a free-standing wall may have vertices to itself, which are no places in plan
     std::vector<bool> used(tin.vertices.size(), false);
     for (const Index f : mesh.face_in_tin)
       for (const Index v : tin.faces[f]) used[v] = true;
     if (!std::all_of(used.begin(), used.end(), [](bool u) { return u; })) {
       mesh = {};
-      add_real_faces(tin, number_places(tin, moved, used, search, mesh), mesh);
+      border = add_real_faces(tin, number_places(tin, moved, used, search, mesh), mesh);
     }
   }
-  pair_real_halves(mesh);
-  return add_ghosts(mesh, box);
+  return add_ghosts(mesh, border, box);
 }
 
 }  // namespace
@@ -175,12 +173,50 @@ CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>
   if (!link(tin, box, moved, Search::neighbours, mesh) && !link(tin, box, moved, Search::everywhere, mesh))
     throw Error(ErrorKind::input, "overlapping-faces",
                 "the border of the surface crosses itself: faces overlap in plan");
-  number_edges(mesh);
   return mesh;
 }
 
+namespace {
+
+/// Walks straight from the face `hint` towards q while signs are beyond doubt in plain doubles. Returns the face where
+/// that ends; `found` when q lies strictly inside.
+Index walk_towards(const CompletedMesh& mesh, Point2 q, Index hint, bool& found) {
+  const auto side = [q](Point2 o, Point2 t, bool& sure) {
+    const double l = (t.x - o.x) * (q.y - o.y), r = (t.y - o.y) * (q.x - o.x), d = l - r;
+    sure = sure && std::fabs(d) > 3.3306690738754716e-16 * (std::fabs(l) + std::fabs(r));  // as in orientation()
+    return d;
+  };
+  found = false;
+  Index h = 4 * hint;
+  Point2 from = mesh.at(mesh.origin(h)), to = mesh.at(mesh.target(h));
+  bool sure = true;
+  if (side(from, to, sure) < 0) {  // the first face is entered through an edge that has q on its left
+    h = mesh.twin(h);
+    if (h == none) return hint;
+    std::swap(from, to);
+  }
+  for (int steps = 0; steps < 100; ++steps) {
+    const Point2 apex = mesh.at(mesh.apex(h));
+    const double after = side(to, apex, sure), before = side(apex, from, sure);
+    if (!sure) break;
+    found = after > 0 && before > 0;
+    if (found) break;
+    const bool leave_after = after < 0;  // as good as random, so no branch
+    const Index g = mesh.twin(leave_after ? next_half(h) : prev_half(h));
+    if (g == none) break;
+    h = g;
+    from = leave_after ? apex : from;
+    to = leave_after ? to : apex;
+  }
+  return h >> 2;
+}
+
+}  // namespace
+
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
-  Index f = hint, from = none;
+  bool found;
+  Index f = walk_towards(mesh, q, hint, found), from = none;
+  if (found) return {Location::face, f};
   std::uint32_t dice = 0x2545F491u;
   for (int steps = 0;; ++steps) {
     // Near the hint a straight walk is quickest; a stochastic one ends on every triangulation, Delaunay or not.
