@@ -97,17 +97,20 @@ class EdgeWalk {
     in_face(Arrangement::not_followed);
   }
 
+  /// Where the edge being followed ends: in either of two faces of B, or in any face with that corner.
+  struct Goal {
+    Index face[2] = {none, none}, place = none, edge = none;
+  };
+  Goal goal_at(const Location& where) const {
+    if (where.kind == Location::place) return {{none, none}, where.index, none};
+    if (where.kind == Location::face) return {{where.index, none}, none, none};
+    return {{where.index >> 2, b_.left_face(b_.edge_of(where.index), 1)}, none, where.index};
+  }
   bool ends_in(Index face) const {
-    switch (to_.kind) {
-      case Location::face:
-        return to_.index == face;
-      case Location::edge:
-        return (to_.index >> 2) == face || (b_.twin(to_.index) != none && (b_.twin(to_.index) >> 2) == face);
-      case Location::place:
-        return b_.corner(4 * face) == to_.index || b_.corner(4 * face + 1) == to_.index ||
-               b_.corner(4 * face + 2) == to_.index;
-    }
-    return false;
+    if (face == goal_.face[0] || face == goal_.face[1]) return true;
+    if (goal_.place == none) return false;
+    const Index* corner = b_.links[face].corner;
+    return corner[0] == goal_.place || corner[1] == goal_.place || corner[2] == goal_.place;
   }
 
   /// The half-edge of B between two of its places, or none. `like`: the half-edge of A there; meshes that share faces
@@ -129,18 +132,17 @@ class EdgeWalk {
     return none;
   }
 
-  /// The edge being followed, as numbers that stay in registers.
+  /// The edge being followed.
   struct Line {
     Point2 start, goal;
     double z[2];
-    bool by_x;          // the longer coordinate
-    double per_length;  // 1 / its extent
-    bool leaves_trace;  // its crossings with real edges have a vertex
+    double per_x, per_y;  // 1 / the extent of the longer coordinate, and 0
+    bool leaves_trace;    // its crossings with real edges have a vertex
 
     double side(Point2 p) const { return area2_accurate(start, goal, p); }
     /// A's height at a place on the edge, from the nearer end.
     double height(Point2 p) const {
-      const double u = std::clamp((by_x ? p.x - start.x : p.y - start.y) * per_length, 0.0, 1.0);
+      const double u = std::clamp((p.x - start.x) * per_x + (p.y - start.y) * per_y, 0.0, 1.0);
       const bool far = u > 0.5;
       return z[far] + (z[!far] - z[far]) * std::min(u, 1 - u);
     }
@@ -151,32 +153,45 @@ class EdgeWalk {
     const Point2 start = a_.at(u), goal = a_.at(w);
     const double dx = goal.x - start.x, dy = goal.y - start.y;
     const bool by_x = std::fabs(dx) >= std::fabs(dy);
-    return {start, goal, {a_.z[u], a_.z[w]}, by_x, 1 / (by_x ? dx : dy), paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0};
+    const double per = 1 / (by_x ? dx : dy);
+    return {start, goal, {a_.z[u], a_.z[w]}, by_x ? per : 0, by_x ? 0 : per, paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0};
+  }
+
+  /// A half-edge of B about to be crossed, from its right end (0) to its left one (1). What depends on which end is
+  /// which is as good as random, so ends are picked by their numbers and not by branches.
+  struct Gate {
+    Index half;
+    Index place[2];
+    Point2 at[2];
+    double side[2];  // of the line: negative, positive
+  };
+  Gate gate(Index h, double right, double left) const {
+    const Index r = b_.origin(h), l = b_.target(h);
+    return {h, {r, l}, {b_.at(r), b_.at(l)}, {right, left}};
   }
 
   void follow(Index e) {
     const Index u = a_.origin(a_.half[e]), w = a_.target(a_.half[e]);
     const Line line = line_of(e);
     const auto side = [&](Index place) { return line.side(b_.at(place)); };
-    const Location from = arrangement_.location[0][u];
-    to_ = arrangement_.location[0][w];
+    const Location from = arrangement_.location[0][u], to = arrangement_.location[0][w];
+    goal_ = goal_at(to);
 
     Index at_place = none;  // the walk stands on this place of B
-    Index exit = none;      // or is about to leave a face through this half-edge, whose origin is right and target left
-    double right = 0, left = 0;
-    // Having come into the face of g through g (which runs from left to right), where does the line leave it?
+    Gate exit{};            // or is about to leave a face
+    // Having come into the face of g through g, with the ends that `exit` has, where does the line leave it?
     const auto leave = [&](Index g) {
       const Index p = b_.apex(g);
-      const double d = side(p);
+      const Point2 P = b_.at(p);
+      const double d = line.side(P);
       if (d == 0) at_place = p;
-      const bool is_left = d > 0;  // as good as random, so no branch
-      exit = is_left ? next_half(g) : prev_half(g);
-      left = is_left ? d : left;
-      right = is_left ? right : d;
+      const bool is_left = d > 0;
+      exit.half = (g & ~3) | (18 >> is_left >> 2 * (g & 3) & 3);  // the next half-edge where left, else the one before
+      exit.place[is_left] = p, exit.at[is_left] = P, exit.side[is_left] = d;
     };
     if (from.kind == Location::place) {
-      if (to_.kind == Location::place)
-        if (const Index h = half_between(from.index, to_.index, a_.half[e]); h != none) return along_half(h);
+      if (to.kind == Location::place)
+        if (const Index h = half_between(from.index, to.index, a_.half[e]); h != none) return along_half(h);
       at_place = from.index;
     } else if (from.kind == Location::edge) {
       const Index h = from.index;
@@ -184,13 +199,13 @@ class EdgeWalk {
       if (o == 0) {  // along the edge
         const bool onward = ahead(line.start, b_.at(b_.target(h)), line.start, line.goal);
         along_half(onward ? h : b_.twin(h));
-        if (to_.kind == Location::edge && to_.index == h) return;
+        if (goal_.edge == h) return;
         at_place = onward ? b_.target(h) : b_.origin(h);
       } else {
         const Index g = o < 0 ? b_.twin(h) : h;  // the side of the edge that lies ahead
         in_face(g >> 2);
         if (ends_in(g >> 2)) return;
-        right = std::min(o, t), left = std::max(o, t);
+        exit = gate(o < 0 ? h : b_.twin(h), std::min(o, t), std::max(o, t));
         leave(g);
       }
     } else {
@@ -199,10 +214,13 @@ class EdgeWalk {
       if (ends_in(f)) return;
       double d[3];
       for (int k = 0; k < 3; ++k) d[k] = side(b_.corner(4 * f + k));
-      for (int k = 0; k < 3; ++k) {
-        const int k1 = k == 2 ? 0 : k + 1;
-        if (d[k] == 0 && d[k1] > 0) at_place = b_.corner(4 * f + k);
-        if (d[k] < 0 && d[k1] > 0) exit = 4 * f + k, right = d[k], left = d[k1];
+      if (d[0] == 0 || d[1] == 0 || d[2] == 0)
+        for (int k = 0; k < 3; ++k)
+          if (d[k] == 0 && d[(k + 1) % 3] > 0) at_place = b_.corner(4 * f + k);
+      if (at_place == none) {  // from a corner on the right to one on the left
+        static constexpr Index first_right[8] = {none, 0, 1, 1, 2, 0, 2, none};
+        const Index k = first_right[(d[0] < 0) + 2 * (d[1] < 0) + 4 * (d[2] < 0)];
+        exit = gate(4 * f + k, d[k], d[k == 2 ? 0 : k + 1]);
       }
     }
 
@@ -211,7 +229,7 @@ class EdgeWalk {
       if (at_place != none) {
         const Index v = at_place;
         at_place = none;
-        if (to_.kind == Location::place && to_.index == v) return;
+        if (goal_.place == v) return;
         if (!(from.kind == Location::place && from.index == v)) {
           out_.touched.push_back({v, static_cast<Index>(node_count_)});
           push(Node(Node::junction, arrangement_.junction_of[1][v]));
@@ -223,7 +241,7 @@ class EdgeWalk {
           const double dq = side(q);
           if (dq == 0 && ahead(V, b_.at(q), line.start, line.goal)) {
             along_half(h);
-            if (to_.kind == Location::edge && to_.index == b_.half[b_.edge_of(h)]) return;
+            if (goal_.edge == b_.half[b_.edge_of(h)]) return;
             at_place = q;
             found = true;
           } else if (dq < 0) {
@@ -231,7 +249,7 @@ class EdgeWalk {
             if (da > 0) {
               in_face(h >> 2);
               if (ends_in(h >> 2)) return;
-              exit = next_half(h), right = dq, left = da;
+              exit = gate(next_half(h), dq, da);
               found = true;
             }
           }
@@ -241,39 +259,38 @@ class EdgeWalk {
         if (!found) throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
         continue;
       }
-      const Index g = b_.twin(exit);
-      cross(line, exit, b_.real(exit >> 2) || b_.real(g >> 2), right, left);
+      const Index g = cross(line, exit);
       in_face(g >> 2);
       if (ends_in(g >> 2)) return;
       leave(g);
     }
   }
 
-  void cross(const Line& line, Index exit, bool real, double right, double left) {
+  /// Returns the half-edge on the other side.
+  Index cross(const Line& line, const Gate& gate) {
     if (crossing_count_ == crossing_room_) {
       if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
-    const Index edge = b_.edge(exit), eb = edge >> 1, against = edge & 1;
-    const double to_r = std::fabs(against ? left : right), to_s = std::fabs(against ? right : left);
-    // The nearer end of B's edge is s as often as r: picked without a branch.
-    const bool far = to_r > to_s;
-    const double t = std::min(to_r, to_s) / (to_r + to_s), along_b[2] = {t, 1 - t};
-    out_.along_b[crossing_count_++] = static_cast<float>(along_b[far]);
-    Index& vertex = out_.vertex_of_node[node_count_];
-    const Index node = static_cast<Index>(node_count_);
-    push(Node(static_cast<Node::Kind>(against), eb));  // leftward is 0, rightward 1
-    if (!real || !line.leaves_trace) return;
-    const Index ends[2] = {against ? b_.target(exit) : b_.origin(exit), against ? b_.origin(exit) : b_.target(exit)};
-    const Index near = ends[far], beyond = ends[!far];
-    const Point2 R = b_.at(near), S = b_.at(beyond);
-    const Point2 at = crossing_point(line.start, line.goal, R, S, t);
-    vertex = static_cast<Index>(vertex_count_);
-    out_.points[vertex_count_] = at;
-    out_.node_of_crossing[vertex_count_ - first_vertex_] = node;
-    out_.heights[0][vertex_count_] = line.height(at);
-    out_.heights[1][vertex_count_] = b_.z[near] + (b_.z[beyond] - b_.z[near]) * t;
-    ++vertex_count_;
+    const LinkedFace& face = b_.links[gate.half >> 2];
+    const Index g = face.twin[gate.half & 3], edge = face.edge[gate.half & 3], against = edge & 1;
+    // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this half-edge.
+    const double to_right = -gate.side[0], to_left = gate.side[1];
+    const Index near = (to_right > to_left) | ((to_right == to_left) & against);
+    const double t = std::min(to_right, to_left) / (to_right + to_left), along_b[2] = {t, 1 - t};
+    out_.along_b[crossing_count_++] = static_cast<float>(along_b[near ^ against]);
+    const std::size_t node = node_count_;
+    push(Node(static_cast<Node::Kind>(against), edge >> 1));  // leftward is 0, rightward 1
+    if (!line.leaves_trace || !(b_.real(gate.half >> 2) || b_.real(g >> 2))) return g;
+    const Point2 at = crossing_point(line.start, line.goal, gate.at[near], gate.at[1 - near], t);
+    const double z = b_.z[gate.place[near]];
+    const std::size_t v = vertex_count_++;
+    out_.vertex_of_node[node] = static_cast<Index>(v);
+    out_.node_of_crossing[v - first_vertex_] = static_cast<Index>(node);
+    out_.points[v] = at;
+    out_.heights[0][v] = line.height(at);
+    out_.heights[1][v] = z + (b_.z[gate.place[1 - near]] - z) * t;
+    return g;
   }
 
   const Arrangement& arrangement_;
@@ -286,7 +303,7 @@ class EdgeWalk {
   Index first_vertex_;
   std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_room_ = 0, crossing_room_ = 0;
   Index ahead_of_a_ = 0;  // how far the last shared half-edge is numbered further in B
-  Location to_;           // where the edge being followed ends
+  Goal goal_;             // of the edge being followed
 };
 
 }  // namespace
