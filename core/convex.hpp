@@ -30,7 +30,7 @@ class ConvexTriangulator {
     std::size_t start = 0;  // the closing edge must not lie inside a straight run
     while (!straight.empty() && straight[start]) ++start;
     at_.resize(n);
-    straight_.assign(n, 0);
+    straight_.resize(n);
     for (std::size_t i = 0, j = start; i < n; ++i, j = j + 1 == n ? 0 : j + 1) {
       at_[i] = at(j);
       if (!straight.empty()) straight_[i] = straight[j];
@@ -40,7 +40,11 @@ class ConvexTriangulator {
       const std::size_t j = start + static_cast<std::size_t>(i);
       return corners[j < n ? j : j - n];
     };
-    fill(0, static_cast<int>(n) - 1, [&](int a, int b, int c) { emit(number(a), number(b), number(c)); });
+    const auto emit_numbers = [&](int a, int b, int c) { emit(number(a), number(b), number(c)); };
+    if (straight.empty())
+      fill<false>(0, static_cast<int>(n) - 1, emit_numbers);
+    else
+      fill<true>(0, static_cast<int>(n) - 1, emit_numbers);
     return all_positive_;
   }
 
@@ -53,20 +57,19 @@ class ConvexTriangulator {
     const auto lower = [](Point2 u, Point2 v) { return before(u, v) ? u : v; };
     const int inside = in_circle(p, q, r, s);
     bool along_pr = inside < 0 || (inside == 0 && before(lower(p, r), lower(q, s)));
-    bool positive = false;
-    for (int attempt = 0; attempt < 2 && !positive; ++attempt) {
-      positive = along_pr ? orientation(p, q, r) > 0 && orientation(p, r, s) > 0
-                          : orientation(q, r, s) > 0 && orientation(p, q, s) > 0;
-      if (!positive) along_pr = !along_pr;
+    // One diagonal is as likely as the other: the corners are picked without a branch.
+    const auto positive = [&] {
+      return orientation(p, q, along_pr ? r : s) > 0 && orientation(along_pr ? p : q, r, s) > 0;
+    };
+    bool sound = positive();
+    if (!sound) {
+      along_pr = !along_pr;
+      sound = positive();
+      if (!sound) along_pr = !along_pr;
     }
-    if (along_pr) {
-      emit(c[0], c[1], c[2]);
-      emit(c[0], c[2], c[3]);
-    } else {
-      emit(c[1], c[2], c[3]);
-      emit(c[0], c[1], c[3]);
-    }
-    return positive;
+    emit(c[0], c[1], c[along_pr ? 2 : 3]);
+    emit(c[along_pr ? 0 : 1], c[2], c[3]);
+    return sound;
   }
 
   /// The chain i .. j can close with its chord: it is one edge, or it bends.
@@ -77,13 +80,13 @@ class ConvexTriangulator {
     return false;
   }
 
-  template <class Emit>
+  template <bool any_straight, class Emit>
   void fill(int i, int j, const Emit& emit) {
     if (j == i + 1) return;
     int best = none;
     bool best_positive = false;
     for (int m = i + 1; m < j; ++m) {
-      if (!closes(i, m) || !closes(m, j) || on_closing_side(i, m, j)) continue;
+      if (any_straight && (!closes(i, m) || !closes(m, j) || on_closing_side(i, m, j))) continue;
       const bool positive_here = positive(i, m, j);
       bool better = best == none || (positive_here && !best_positive);
       if (!better && positive_here && best_positive) {
@@ -94,8 +97,8 @@ class ConvexTriangulator {
     }
     all_positive_ = all_positive_ && best_positive;
     emit(i, best, j);
-    fill(i, best, emit);
-    fill(best, j, emit);
+    fill<any_straight>(i, best, emit);
+    fill<any_straight>(best, j, emit);
   }
   /// m on the line i j? Only the closing side can be such a line: when everything from m to it is straight.
   bool on_closing_side(int i, int m, int j) const {
@@ -106,7 +109,7 @@ class ConvexTriangulator {
   }
 
   std::vector<Point2> at_;
-  std::vector<std::uint8_t> straight_;
+  std::vector<std::uint8_t> straight_;  // meaningless in fill<false>
   bool all_positive_ = true;
 };
 

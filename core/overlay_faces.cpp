@@ -25,14 +25,14 @@ class GroupFiller {
 
   /// Pieces sorted by group. Sets `exterior` to where its faces begin.
   void run(std::span<const GroupedPiece> grouped, std::size_t& exterior) {
-    exterior = sink_.faces.size();
+    exterior = sink_.count;
     for (std::size_t i = 0; i < grouped.size();) {
       std::size_t j = i;
       const Index group = grouped[i].group;
       bool only[2] = {true, true};
       for (; j < grouped.size() && grouped[j].group == group; ++j) only[1 - grouped[j].piece.mesh] = false;
       const auto [a, b] = groups_.parents(group);
-      if (group == groups_.exterior) exterior = sink_.faces.size();
+      if (group == groups_.exterior) exterior = sink_.count;
       if (a != none && only[0])
         tracer_.whole(0, a);
       else if (b != none && only[1])
@@ -63,9 +63,9 @@ class GroupFiller {
     if (!filled.sound) throw Error(ErrorKind::internal, "overlay", "a region's border does not close");
     if (group != groups_.exterior) sink_.regions += filled.parts;
     const auto& at = arrangement_.points;
+    sink_.make_room(filled.faces.size());
     for (const Face& f : filled.faces) {
-      sink_.faces.push_back(f);
-      sink_.parents.push_back(groups_.parents(group));
+      sink_.add(f, groups_.parents(group));
       sink_.all_positive = sink_.all_positive && orientation(at[f[0]], at[f[1]], at[f[2]]) > 0;
     }
   }
@@ -93,11 +93,7 @@ Traced trace_all(const Arrangement& arrangement, Refinement refinement, Context&
     parallel_for(context, count[m], chunk[m], [&](std::size_t begin, std::size_t end) {
       Traced& place = sinks[alone ? 0 : m * ranges[0] + begin / chunk[m]];
       Traced sink = std::move(place);  // on this thread's own cache lines while it grows
-      if (m == 0) {
-        const std::size_t share = begin == 0 ? expected : expected / ranges[0];
-        sink.faces.reserve(share);
-        sink.parents.reserve(share);
-      }
+      if (m == 0) sink.resize(begin == 0 ? expected : expected / ranges[0]);
       RegionTracer tracer(arrangement, refinement, visited, sink);
       for (std::size_t f = begin; f < end; ++f) {
         if ((f & 0xFFFF) == 0) context.stop_if_cancelled();
@@ -111,19 +107,18 @@ Traced trace_all(const Arrangement& arrangement, Refinement refinement, Context&
   Traced& all = sinks[0];
   std::vector<std::size_t> offset{0};
   for (const Traced& sink : sinks) {
-    offset.push_back(offset.back() + sink.faces.size());
+    offset.push_back(offset.back() + sink.count);
     if (&sink == &all) continue;
     all.grouped.insert(all.grouped.end(), sink.grouped.begin(), sink.grouped.end());
     all.regions += sink.regions;
     all.all_positive = all.all_positive && sink.all_positive;
   }
-  all.faces.resize(offset.back());
-  all.parents.resize(offset.back());
+  all.count = offset.back();
+  all.make_room(0);
   parallel_tasks(context, sinks.size() - 1, [&](std::size_t i) {
     const Traced& sink = sinks[i + 1];
-    std::copy(sink.faces.begin(), sink.faces.end(), all.faces.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
-    std::copy(sink.parents.begin(), sink.parents.end(),
-              all.parents.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
+    std::copy_n(sink.faces.begin(), sink.count, all.faces.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
+    std::copy_n(sink.parents.begin(), sink.count, all.parents.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
   });
   return std::move(all);
 }
@@ -135,16 +130,16 @@ OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, Con
   context.progress("overlay", 0.75);
   std::stable_sort(sink.grouped.begin(), sink.grouped.end(), [](auto& s, auto& t) { return s.group < t.group; });
   const std::vector<GroupedPiece> grouped = std::move(sink.grouped);
-  const std::size_t plain = sink.faces.size();
+  const std::size_t plain = sink.count;
   const Index plain_regions = sink.regions;
   std::size_t exterior;
   GroupFiller(arrangement, refinement, false, sink).run(grouped, exterior);
   if (!sink.all_positive) {
-    sink.faces.resize(plain);
-    sink.parents.resize(plain);
+    sink.count = plain;
     sink.regions = plain_regions;
     GroupFiller(arrangement, refinement, true, sink).run(grouped, exterior);
   }
+  sink.trim();
   context.progress("overlay", 0.8);
   return {std::move(sink.faces), std::move(sink.parents), exterior, sink.regions, sink.all_positive};
 }

@@ -87,50 +87,48 @@ void RegionTracer::trace(Index f, const Piece& start) {
 }
 
 void RegionTracer::trace_in_both(Index f, Index g, const Piece& start) {
-  const Node *const nodes_a = arrangement_.lines[0].nodes.data(), *const nodes_b = arrangement_.lines[1].nodes.data();
-  const Index *const first_a = arrangement_.lines[0].first.data(), *const first_b = arrangement_.lines[1].first.data();
-  const Index *const number_a = arrangement_.number[0].data(), *const number_b = arrangement_.number[1].data();
-  const LinkedFace *const faces_a = a_.links.data(), *const faces_b = b_.links.data();
   const Index* const vertex_of_node = arrangement_.vertex_of_node.data();
+  const Index start_at = start.at, start_direction = start.direction;
   std::uint8_t* const visited = visited_.data();
   Index* corners = corners_.data();
   std::size_t count = 0, room = corners_.size();
   bool bends = true;  // everywhere
-  bool on_a = true;
-  Index at = start.at, direction = start.direction;
+  Index m = 0, at = start_at, direction = start_direction;
   do {
-    if (on_a) visited[2 * static_cast<std::size_t>(at) + direction] = 1;
+    // A piece of B marks the place of the region's first piece, which is marked anyway.
+    const Index mark = m == 0 ? at : start_at, marked = m == 0 ? direction : start_direction;
+    visited[2 * static_cast<std::size_t>(mark) + marked] = 1;
     if (count == room) {
       room = 2 * count + 16;
       corners_.resize(room);
       straight_.resize(room, 0);
       corners = corners_.data();
     }
+    const Side& side = side_[m];
     const Index head = at + 1 - direction;
-    const Node node = (on_a ? nodes_a : nodes_b)[head];
+    const Node node = side.nodes[head];
     const Index index = node.index();
     if (node.crossing()) {
-      corners[count] = vertex_of_node[on_a ? head : index];
-      direction = direction ^ static_cast<Index>(node.kind()) ^ static_cast<Index>(!on_a);
+      corners[count] = vertex_of_node[m == 0 ? head : index];
+      direction = direction ^ static_cast<Index>(node.kind()) ^ m;
       at = index - direction;
-      on_a = !on_a;
+      m = 1 - m;
     } else if (node.kind() == Node::end) {
       const Index h = next_half(index);
-      const LinkedFace& face = (on_a ? faces_a : faces_b)[h >> 2];
-      corners[count] = (on_a ? number_a : number_b)[face.corner[h & 3]];
+      const LinkedFace& face = side.faces[h >> 2];
+      corners[count] = side.number[face.corner[h & 3]];
       const Index edge = face.edge[h & 3];
       direction = edge & 1;
-      at = (on_a ? first_a : first_b)[(edge >> 1) + direction] - 2 * direction;
+      at = side.first[(edge >> 1) + direction] - 2 * direction;
     } else {
-      const int m = on_a ? 0 : 1;
       bool straight = false;
       corners[count] = arrangement_.vertex(m, head);
       const Piece piece = arrangement_.next({m, at, direction}, straight);
-      on_a = piece.mesh == 0, at = piece.at, direction = piece.direction;
+      m = piece.mesh, at = piece.at, direction = piece.direction;
       if (straight) straight_[count] = 1, bends = false;
     }
     ++count;
-  } while (!(on_a && at == start.at && direction == start.direction));
+  } while ((m | (at ^ start_at) | (direction ^ start_direction)) != 0);
   emit_convex(f, g, {corners, count}, {straight_.data(), bends ? 0 : count});
   if (!bends) std::fill_n(straight_.begin(), count, 0);  // all 0 between regions
 }
@@ -142,16 +140,9 @@ void RegionTracer::visit(const Piece& piece) {
 void RegionTracer::emit_convex(Index a, Index b, std::span<const Index> corners,
                                std::span<const std::uint8_t> straight) {
   ++sink_.regions;
-  const std::size_t first = sink_.faces.size(), count = corners.size() - 2;
-  sink_.faces.resize(first + count);
-  sink_.parents.resize(first + count);
-  std::array<Index, 2>* parents = sink_.parents.data() + first;
-  Face* face = sink_.faces.data() + first;
-  const bool positive = triangulator_.run(corners, straight, points_, [&](Index u, Index v, Index w) {
-    (*face)[0] = u, (*face)[1] = v, (*face)[2] = w;
-    (*parents)[0] = a, (*parents)[1] = b;
-    ++face, ++parents;
-  });
+  sink_.make_room(corners.size() - 2);
+  const bool positive = triangulator_.run(corners, straight, points_,
+                                          [&](Index u, Index v, Index w) { sink_.add({u, v, w}, {a, b}); });
   sink_.all_positive = sink_.all_positive && positive;
 }
 

@@ -19,11 +19,25 @@ struct GroupedPiece {
 
 /// What the faces of one range gave.
 struct Traced {
+  std::size_t count = 0;  // of faces; until trim() there is room for more
   Array<Face> faces;
   Array<std::array<Index, 2>> parents;
   std::vector<GroupedPiece> grouped;
   Index regions = 0;
   bool all_positive = true;
+
+  void make_room(std::size_t more) {
+    if (count + more > faces.size()) resize(2 * (count + more) + 64);
+  }
+  void add(const Face& face, const std::array<Index, 2>& of) {
+    faces[count] = face;
+    parents[count++] = of;
+  }
+  void trim() { resize(count); }
+  void resize(std::size_t size) {
+    faces.resize(size);
+    parents.resize(size);
+  }
 };
 
 /// Groups: a face of A without B is its number, a face of B without A comes after those, then the exterior.
@@ -49,7 +63,11 @@ class RegionTracer {
         paste_(refinement == Refinement::paste),
         visited_(visited),
         points_(arrangement.points.data()),
-        sink_(sink) {}
+        sink_(sink) {
+    for (int m = 0; m < 2; ++m)
+      side_[m] = {arrangement.lines[m].nodes.data(), arrangement.lines[m].first.data(), arrangement.number[m].data(),
+                  arrangement.mesh[m]->links.data()};
+  }
 
   /// All regions in a face of A that touch its border.
   void face_of_a(Index f);
@@ -66,8 +84,8 @@ class RegionTracer {
   /// Follows the border of the region to the left of a piece of face f of A.
   void trace(Index f, const Piece& start);
 
-  /// The same where there is nothing to it but corners: the innermost loop of the overlay, so the piece it stands on is
-  /// three local numbers and all arrays are local pointers. It walks to and fro between pieces of A and of B.
+  /// The same where there is nothing to it but corners: the innermost loop of the overlay. It walks to and fro between
+  /// pieces of A and of B as if at random, so the mesh is a number to look up with and not to branch on.
   void trace_in_both(Index f, Index g, const Piece& start);
   void visit(const Piece& piece);
 
@@ -85,6 +103,11 @@ class RegionTracer {
   bool paste_;
   std::span<std::uint8_t> visited_;
   const Point2* points_;
+  struct Side {
+    const Node* nodes;
+    const Index *first, *number;
+    const LinkedFace* faces;
+  } side_[2];
   Traced& sink_;
   std::vector<Index> corners_, whole_corners_;  // buffers
   std::vector<std::uint8_t> straight_, whole_straight_;
