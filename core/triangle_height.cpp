@@ -16,28 +16,30 @@ double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   return t;
 }
 
-double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
-  double w[3], total = 0;
-  for (int k = 0; k < 3; ++k) {
-    w[k] = area2_accurate(c[(k + 1) % 3], c[(k + 2) % 3], p);
-    if (w[k] < 0) {
-      double best = std::numeric_limits<double>::infinity(), height = 0;
-      for (int i = 0; i < 3; ++i) {
-        double d;
-        const double t = nearest_on_segment(c[i], c[(i + 1) % 3], p, d);
-        if (d < best) best = d, height = mix(z[i], z[(i + 1) % 3], t);
-      }
-      return height;
-    }
-    total += w[k];
+namespace {
+
+/// Of the point of the triangle's border nearest to p.
+double height_on_border(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
+  double best = std::numeric_limits<double>::infinity(), height = 0;
+  for (int i = 0; i < 3; ++i) {
+    double d;
+    const double t = nearest_on_segment(c[i], c[(i + 1) % 3], p, d);
+    if (d < best) best = d, height = mix(z[i], z[(i + 1) % 3], t);
   }
+  return height;
+}
+
+}  // namespace
+
+double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
+  const double w[3] = {area2_accurate(c[1], c[2], p), area2_accurate(c[2], c[0], p), area2_accurate(c[0], c[1], p)};
+  if (std::min({w[0], w[1], w[2]}) < 0) return height_on_border(c, z, p);
+  const double total = w[0] + w[1] + w[2];
   // Relative to the heaviest corner: a level face stays level to the last bit.
-  const int base = w[0] >= w[1] && w[0] >= w[2] ? 0 : w[1] >= w[2] ? 1 : 2;
-  double height = z[base];
-  for (int k = 0; k < 3; ++k)
-    if (k != base) height += (z[k] - z[base]) * (w[k] / total);
-  const auto [low, high] = std::minmax({z[0], z[1], z[2]});
-  return std::clamp(height, low, high);
+  const int heavier = w[1] >= w[2] ? 1 : 2, base = w[0] >= w[heavier] ? 0 : heavier;
+  const int i = base == 0, j = 2 - (base == 2);
+  const double height = z[base] + (z[i] - z[base]) * (w[i] / total) + (z[j] - z[base]) * (w[j] / total);
+  return std::clamp(height, std::min({z[0], z[1], z[2]}), std::max({z[0], z[1], z[2]}));
 }
 
 }  // namespace terrane
