@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "core/error.hpp"
@@ -40,16 +41,19 @@ int overlay(Words words) {
   const auto files = words.files(2, "overlay A.ply B.ply [--threads N] [--repeat R] [--warm]");
   const Tin tins[2] = {read_tin(files[0]), read_tin(files[1])};
   std::vector<double> prepare, refine, verify, total, cpu;
+  std::vector<double> stages;  // of the overlay, each at its quickest
   std::size_t faces = 0, peak = 0, faults = 0;
   RoundingReport rounding;
   for (int r = 0; r < repeat; ++r) {
     if (!warm) malloc_trim(0);
+    Tin sorted[2] = {tins[0], tins[1]};  // as a reader would have left them
     Context context;
     context.threads = threads;
+    std::vector<double> reached;  // when the overlay said how far it is
+    context.on_progress = [&](std::string_view, double) { reached.push_back(now()); };
     const Usage before = usage();
     const double t0 = now();
-    Tin sorted[2];
-    parallel_tasks(context, 2, [&](std::size_t i) { sorted[i] = canonical(tins[i]); });
+    parallel_tasks(context, 2, [&](std::size_t i) { sorted[i] = canonical(std::move(sorted[i])); });
     const double t1 = now();
     reset_peak();
     const std::size_t inputs = status_bytes("VmRSS:");
@@ -66,6 +70,8 @@ int overlay(Words words) {
     refine.push_back(t3 - t2);
     verify.push_back(t4 - t3);
     total.push_back(t1 - t0 + t3 - t2);
+    stages.resize(reached.size() - 1, INFINITY);
+    for (std::size_t i = 0; i + 1 < reached.size(); ++i) stages[i] = std::min(stages[i], reached[i + 1] - reached[i]);
     cpu.push_back(after.cpu_seconds - before.cpu_seconds);
     faults = after.page_faults - before.page_faults;
     faces = result.faces.size();
@@ -75,9 +81,11 @@ int overlay(Words words) {
   std::printf(
       "{\"prepare_seconds\":%.6f,\"overlay_seconds\":%.6f,\"verify_seconds\":%.6f,\"total_seconds\":%.6f,"
       "\"cpu_seconds\":%.6f,\"faces\":%zu,\"regions\":%d,\"merges\":%d,\"flips\":%d,\"kinetic\":%d,"
-      "\"peak_bytes\":%zu,\"page_faults\":%zu,\"threads\":%d,\"repeat\":%d}\n",
+      "\"peak_bytes\":%zu,\"page_faults\":%zu,\"threads\":%d,\"repeat\":%d,\"stage_seconds\":[",
       median(prepare), median(refine), median(verify), median(total), median(cpu), faces, rounding.regions,
       rounding.merges, rounding.flips, rounding.kinetic, peak, faults, threads, repeat);
+  for (std::size_t i = 0; i < stages.size(); ++i) std::printf("%s%.6f", i == 0 ? "" : ",", stages[i]);
+  std::printf("]}\n");
   return 0;
 }
 
