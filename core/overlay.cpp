@@ -11,6 +11,7 @@
 #include "core/overlay_faces.hpp"
 #include "core/parallel.hpp"
 #include "core/rounding.hpp"
+#include "core/shared_faces.hpp"
 #include "core/snapping.hpp"
 
 namespace terrane {
@@ -108,10 +109,16 @@ void keep(Array<T>& values, const std::vector<Index>& kept) {
   values.resize(kept.size());
 }
 
-}  // namespace
+double four_ulp(const Tin& a, const Tin& b) {
+  double largest = 0;
+  for (const Tin* tin : {&a, &b})
+    for (const Point& p : tin->vertices) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y)});
+  return 4 * (std::nextafter(largest, INFINITY) - largest);
+}
 
-Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context) {
-  context.progress("overlay", 0);
+/// `as_given`: no vertex was moved or merged, and those of A come first, then those of B that are not A's, each in its
+/// order.
+Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context, bool& as_given) {
   Overlay result;
   Prepared prepared = prepare(a, b, options.snap, context);
   result.rounding.snapped = prepared.b.count;
@@ -126,6 +133,7 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
   Array<Point2> points = std::move(arrangement.points);
   std::vector<Index> relabelled, vertex;
   const bool mended = !work.all_positive;
+  as_given = !mended && prepared.b.count == 0;
   if (mended) {
     mend(arrangement, work, points, heights, result.rounding, context, relabelled);
     vertex = used_vertices(work, points.size());
@@ -174,6 +182,25 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
   result.points = std::move(points);
   result.faces = std::move(work.faces);
   result.parents = std::move(work.parents);
+  return result;
+}
+
+}  // namespace
+
+Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context) {
+  context.progress("overlay", 0);
+  OverlayOptions resolved = options;
+  if (resolved.snap < 0) resolved.snap = four_ulp(a, b);
+  Overlay result;
+  bool as_given = false;
+  if (const auto divided = options.refinement == Refinement::full ? divide(a, b) : std::nullopt) {
+    as_given = true;
+    if (!divided->rest[0].faces.empty())
+      result = refine(divided->rest[0], divided->rest[1], resolved, context, as_given);
+    as_given = as_given && !result.per_corner[0] && !result.per_corner[1];
+    if (as_given) result = put_together(*divided, a, b, std::move(result));
+  }
+  if (!as_given) result = refine(a, b, resolved, context, as_given);
   context.progress("overlay", 1);
   return result;
 }

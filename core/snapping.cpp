@@ -13,14 +13,6 @@
 namespace terrane {
 namespace {
 
-double four_ulp(const CompletedMesh& a, const CompletedMesh& b) {
-  double largest = 0;
-  for (const CompletedMesh* mesh : {&a, &b})
-    for (Index i = 0; i < mesh->real_places(); ++i)
-      largest = std::max({largest, std::fabs(mesh->at(i).x), std::fabs(mesh->at(i).y)});
-  return 4 * (std::nextafter(largest, INFINITY) - largest);
-}
-
 /// Finds the places of A near others. They may be corners of faces that their own does not touch: slivers lie between.
 class Vicinity {
  public:
@@ -82,7 +74,6 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
   result.mesh = std::move(completed);
   const CompletedMesh& mesh = result.mesh;
   const Index n = static_cast<Index>(mesh.places.size());
-  if (tolerance < 0) tolerance = four_ulp(a, mesh);
   if (tolerance == 0) return result;
 
   // The nearest of the other mesh, of every place that has one within reach; in doubt the lower number.

@@ -13,8 +13,7 @@ struct Snapped {
   double max_move = 0;
 };
 
-/// Moves each vertex of B that is mutually nearest with a vertex of A within `tolerance` (negative: 4 ulp of the
-/// largest coordinate) onto it, unless a face of B would not stay positive or B's border simple. `mesh`: B completed in
+/// Moves each vertex of B that is mutually nearest with a vertex of A within `tolerance` onto it, unless a face of B would not stay positive or B's border simple. `mesh`: B completed in
 /// the frame; a moved B is completed anew.
 Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh mesh, const CompletedMesh& a, double tolerance,
                     Context& context);

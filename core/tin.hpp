@@ -43,6 +43,7 @@ inline bool is_wall(const Tin& tin, const Face& f) {
 
 struct Box {
   double xmin, ymin, xmax, ymax;
+  bool operator==(const Box&) const = default;
 };
 
 /// The smallest box around all vertices in plan; inverted infinities for an empty TIN.
