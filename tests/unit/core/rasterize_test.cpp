@@ -102,7 +102,9 @@ TEST(Rasterize, HoldsExactlyTheSamplesOfEachFace) {
 TEST(Rasterize, HoldsThemAcrossTiles) {
   std::mt19937 random(4);
   for (int round = 0; round < 40; ++round) {
-    expect_truth(random_triangles(random, 3, 500000.5, 4e6, 25), lattice(283, 150, 500000.5, 4e6, 1, 1));
+    const double x0 = round % 2 ? 500000.5 : -71.5 - 1.0 / 2400, y0 = round % 2 ? 4e6 : 44.9;
+    const double cell = round % 2 ? 1 : 1.0 / 1200;
+    expect_truth(random_triangles(random, 3, x0, y0, 25 * cell), lattice(283, 150, x0, y0, cell, cell));
     ASSERT_FALSE(HasFailure()) << "round " << round;
   }
 }
