@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/array.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/triangulate.hpp"
@@ -54,20 +55,24 @@ class Places {
   bool even_;
 };
 
-/// A vertex among the samples.
-struct Corner {
-  Point at;
-  int row, column;  // the last row at or north of it, the first column at or east of it
-  bool on_row, on_column;
+/// Where a point lies among the samples.
+struct Cell {
+  int row, first_row;       // the last row at or north of it, the first at or south of it
+  int column, last_column;  // the first column at or east of it, the last at or west of it
 
-  int last_column() const { return column - !on_column; }  // the last column at or west of it
-  int first_row() const { return row + !on_row; }          // the first row at or south of it
-  bool on_sample() const { return on_row && on_column; }
+  bool on_row() const { return row == first_row; }
+  bool on_column() const { return column == last_column; }
+  bool on_sample() const { return on_row() && on_column(); }
+};
+
+/// A vertex among the samples.
+struct Corner : Cell {
+  const Point& at;
 };
 
 /// A face's corners from the south to the north; the order does not depend on the one they are given in.
 struct Triangle {
-  const Corner &low, &mid, &top;
+  Corner low, mid, top;
   int turn;  // of low, mid, top
 };
 
@@ -84,7 +89,7 @@ struct Side {
   double column_at(double y) const { return column + (y - from.at.y) * slope; }
   /// The corner that lies on row j, or null.
   const Corner* corner_on(int j) const {
-    return from.on_row && from.row == j ? &from : to.on_row && to.row == j ? &to : nullptr;
+    return from.on_row() && from.row == j ? &from : to.on_row() && to.row == j ? &to : nullptr;
   }
 };
 
@@ -167,7 +172,7 @@ class Rasterizer {
       : tin_(tin), raster_(raster), context_(context), places_(raster, tin) {}
 
   void run() {
-    find_corners();
+    find_cells();
     sort_into_tiles();
     parallel_tasks(context_, first_.size() - 1, [&](std::size_t k) {
       Tile tile(raster_, static_cast<int>(k) / across_ * tile_height, static_cast<int>(k) % across_ * tile_width);
@@ -192,34 +197,37 @@ class Rasterizer {
     return yes;
   }
 
-  void find_corners() {
-    corners_.resize(tin_.vertices.size());
-    parallel_for(context_, corners_.size(), 16384, [&](std::size_t begin, std::size_t end) {
+  void find_cells() {
+    cells_.resize(tin_.vertices.size());
+    parallel_for(context_, cells_.size(), 16384, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const Point& p = tin_.vertices[v];
         const int row = last(std::floor((raster_.y0 - p.y) / raster_.dy), raster_.height,
                              [&](int j) { return places_.y[j] >= p.y; });
         const int column =
             last(std::ceil(places_.column(p.x)) - 1, raster_.width, [&](int i) { return places_.x[i] < p.x; }) + 1;
-        corners_[v] = {p, row, column, row >= 0 && places_.y[row] == p.y,
-                       column < raster_.width && places_.x[column] == p.x};
+        const bool on_row = row >= 0 && places_.y[row] == p.y;
+        const bool on_column = column < raster_.width && places_.x[column] == p.x;
+        cells_[v] = {row, row + !on_row, column, column - !on_column};
       }
     });
   }
 
   Triangle triangle(const Face& f) const {
-    const Corner *a = &corners_[f[0]], *b = &corners_[f[1]], *c = &corners_[f[2]];
-    const auto order = [](const Corner*& south, const Corner*& north) {
-      const Point &p = south->at, &q = north->at;
+    Index a = f[0], b = f[1], c = f[2];
+    const auto order = [&](Index& south, Index& north) {
+      const Point &p = tin_.vertices[south], &q = tin_.vertices[north];
       const bool wrong = (q.y < p.y) | ((q.y == p.y) & (q.x < p.x));  // no branch: it would be a guess
-      const Corner* const lower = wrong ? north : south;
+      const Index lower = wrong ? north : south;
       north = wrong ? south : north;
       south = lower;
     };
     order(a, b);
     order(b, c);
     order(a, b);
-    return {*a, *b, *c, orientation(plan(a->at), plan(b->at), plan(c->at))};
+    const auto corner = [&](Index v) { return Corner{cells_[v], tin_.vertices[v]}; };
+    return {corner(a), corner(b), corner(c),
+            orientation(plan(tin_.vertices[a]), plan(tin_.vertices[b]), plan(tin_.vertices[c]))};
   }
 
   /// faces_[first_[k]] ... are the faces whose boxes reach tile k.
@@ -228,11 +236,11 @@ class Rasterizer {
     const std::size_t tiles = static_cast<std::size_t>(across_) * ((raster_.height + tile_height - 1) / tile_height);
     const auto each = [&](auto visit) {
       for (std::size_t f = 0; f < tin_.faces.size(); ++f) {
-        const Corner &a = corners_[tin_.faces[f][0]], &b = corners_[tin_.faces[f][1]], &c = corners_[tin_.faces[f][2]];
-        const int north = std::min({a.first_row(), b.first_row(), c.first_row()});
+        const Cell &a = cells_[tin_.faces[f][0]], &b = cells_[tin_.faces[f][1]], &c = cells_[tin_.faces[f][2]];
+        const int north = std::min({a.first_row, b.first_row, c.first_row});
         const int south = std::max({a.row, b.row, c.row});
         const int west = std::min({a.column, b.column, c.column});
-        const int east = std::max({a.last_column(), b.last_column(), c.last_column()});
+        const int east = std::max({a.last_column, b.last_column, c.last_column});
         if (north > south || west > east) continue;
         for (int j = north / tile_height; j <= south / tile_height; ++j)
           for (int i = west / tile_width; i <= east / tile_width; ++i) visit(f, j * across_ + i);
@@ -250,11 +258,11 @@ class Rasterizer {
   /// there are cannot be foreseen, and a processor that guessed wrong in the midst of finding them starts anew.
   void fill(const Triangle& t, Tile& tile) {
     if (t.turn == 0) return;
-    const int first = std::max(tile.north, t.top.first_row()), past = std::min(tile.south, t.low.row + 1);
+    const int first = std::max(tile.north, t.top.first_row), past = std::min(tile.south, t.low.row + 1);
     if (first >= past) return;
     const Plane plane(t);
     const Side whole(t.low, t.top, places_);
-    const int middle = t.low.at.y == t.mid.at.y ? past : std::clamp(t.mid.first_row(), first, past);
+    const int middle = t.low.at.y == t.mid.at.y ? past : std::clamp(t.mid.first_row, first, past);
     if (first < middle) find_columns(t, whole, {t.mid, t.top, places_}, first, middle, tile);
     if (middle < past) find_columns(t, whole, {t.low, t.mid, places_}, middle, past, tile);
     for (int j = first; j < past; ++j) {
@@ -306,7 +314,7 @@ class Rasterizer {
 
   /// The last column at or west of a side.
   int last_west(const Side& side, int j) const {
-    if (const Corner* c = side.corner_on(j)) return c->on_column ? c->column : c->column - 1;
+    if (const Corner* c = side.corner_on(j)) return c->last_column;
     return column(side, j, [&](int i) { return turn(side, i, j) >= 0; });
   }
 
@@ -339,7 +347,7 @@ class Rasterizer {
   Raster& raster_;
   Context& context_;
   Places places_;
-  std::vector<Corner> corners_;
+  Array<Cell> cells_;
   int across_ = 0;
   std::vector<std::size_t> first_;
   std::vector<Index> faces_;
