@@ -174,10 +174,15 @@ class Rasterizer {
   void run() {
     find_cells();
     sort_into_tiles();
-    parallel_tasks(context_, first_.size() - 1, [&](std::size_t k) {
-      Tile tile(raster_, static_cast<int>(k) / across_ * tile_height, static_cast<int>(k) % across_ * tile_width);
-      for (std::size_t f = first_[k]; f < first_[k + 1]; ++f) fill(triangle(tin_.faces[faces_[f]]), tile);
-      tile.store(raster_);
+    // One task makes a row of tiles: two that lie beside each other share pages of memory, and threads would wait for
+    // each other at the first touch.
+    parallel_tasks(context_, (first_.size() - 1) / across_, [&](std::size_t j) {
+      for (int i = 0; i < across_; ++i) {
+        Tile tile(raster_, static_cast<int>(j) * tile_height, i * tile_width);
+        const std::size_t k = j * across_ + i;
+        for (std::size_t f = first_[k]; f < first_[k + 1]; ++f) fill(triangle(tin_.faces[faces_[f]]), tile);
+        tile.store(raster_);
+      }
     });
   }
 
