@@ -37,17 +37,18 @@ def rasters(subject):
     judged = not subject.sizes.scaled and theirs
     said = {}
     contestants = {}
+    mesh = subject.pair(subject.sizes.points)[0]
     for threads in sorted({1, min(2, subject.cores)}):
         def tin(threads=threads):
             said['tin'] = subject.runner.bench('triangulate', a, '--threads', threads, '--repeat', 1)
             return said['tin']['seconds']
-        contestants[f'DEM to TIN, {threads} thread{"s" * (threads > 1)}'] = tin
-    mesh = subject.pair(subject.sizes.points)[0]
 
-    def raster():
-        said['raster'] = subject.runner.bench('rasterize', mesh, '--size', subject.sizes.raster, '--repeat', 1)
-        return said['raster']['seconds']
-    contestants['TIN to raster, 1 thread'] = raster
+        def raster(threads=threads):
+            said['raster'] = subject.runner.bench('rasterize', mesh, '--size', subject.sizes.raster, '--threads',
+                                                  threads, '--repeat', 1)
+            return said['raster']['seconds']
+        words = f'{threads} thread{"s" * (threads > 1)}'
+        contestants |= {f'DEM to TIN, {words}': tin, f'TIN to raster, {words}': raster}
     times, absent = subject.take_turns(contestants, rounds)
     for name, measured in times.items():
         note = (f'{size * size / measured.least / 1e6:.1f} million samples/s, {said["tin"]["points"]:,} points'
