@@ -282,6 +282,7 @@ class Rasterizer {
     const Side &west = t.turn > 0 ? whole : part, &east = t.turn > 0 ? part : whole;
     const double least = tile.west + 0.5, most = tile.east + 0.5;
     const double clear = places_.noise() < 0.25 ? 0.5 - places_.noise() : -1;
+    static_assert(tile_height <= 64);
     std::uint64_t doubts = 0, bit = std::uint64_t{1} << (first - tile.north);  // bit k: of row tile.north + k
     for (int j = first; j < past; ++j, bit += bit) {
       const double y = places_.y[j];
