@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/array.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {
@@ -13,7 +14,7 @@ struct Raster {
   int width = 0, height = 0;
   double x0 = 0, y0 = 0;  // centre of the north-western sample
   double dx = 0, dy = 0;
-  std::vector<double> samples;  // row by row, width * height
+  Array<double> samples;  // row by row, width * height
 
   double at(int i, int j) const { return samples[static_cast<std::size_t>(j) * width + i]; }
   Point2 place(int i, int j) const { return {x0 + i * dx, y0 - j * dy}; }

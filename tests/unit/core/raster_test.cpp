@@ -160,7 +160,7 @@ TEST(Raster, AMosaicThatWouldBeMostlyVoidIsNotMade) {
   // A long staircase of tiles, each touching the next.
   std::vector<Raster> tiles;
   for (int k = 0; k < 300; ++k)
-    tiles.push_back(moved(Raster{50, 2, 0, 0, 1, 1, std::vector<double>(100, 1.0)}, 49.0 * k, k));
+    tiles.push_back(moved(Raster{50, 2, 0, 0, 1, 1, Array<double>(100, 1.0)}, 49.0 * k, k));
   std::vector<int> groups;
   const auto joined = join_on_lattice(tiles, true, groups);
   double samples = 0;

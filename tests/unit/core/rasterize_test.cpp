@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <random>
 
 #include "core/error.hpp"
@@ -97,6 +99,33 @@ TEST(Rasterize, HoldsExactlyTheSamplesOfEachFace) {
   }
 }
 
+TEST(Rasterize, HoldsThemAcrossTiles) {
+  std::mt19937 random(4);
+  for (int round = 0; round < 40; ++round) {
+    const double x0 = round % 2 ? 500000.5 : -71.5 - 1.0 / 2400, y0 = round % 2 ? 4e6 : 44.9;
+    const double cell = round % 2 ? 1 : 1.0 / 1200;
+    expect_truth(random_triangles(random, 3, x0, y0, 25 * cell), lattice(283, 150, x0, y0, cell, cell));
+    ASSERT_FALSE(HasFailure()) << "round " << round;
+  }
+}
+
+/// Its area is below the noise of plain arithmetic, and a sample lies on its longest side.
+TEST(Rasterize, HoldsTheSamplesOfALevelSliver) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> unit(0.25, 0.75);
+  int slivers = 0;
+  while (slivers < 50) {
+    const Point2 c{unit(random), unit(random)};
+    const double k = unit(random);
+    const Tin tin{{{-c.x, -c.y, 7}, {k * c.x, k * c.y, 7}, {c.x, c.y, 7}}, {{0, 1, 2}}};
+    const Point &a = tin.vertices[0], &b = tin.vertices[1];
+    const double d = (b.x - a.x) * (2 * c.y) - (b.y - a.y) * (2 * c.x);
+    if (d != 0 || orientation(plan(a), plan(b), c) == 0) continue;
+    ++slivers;
+    expect_truth(tin, lattice(3, 3, -1, 1, 1, 1));
+  }
+}
+
 TEST(Rasterize, GivesBackTheSamplesOfARaster) {
   std::mt19937 random(2);
   for (const double voids : {0.0, 0.1}) {
@@ -136,16 +165,27 @@ TEST(Rasterize, TheSameBytesForAnyThreadsAndAnyOrder) {
   std::mt19937 random(3);
   const Raster dem = random_raster(random, 200, 300, 0.01, 40);
   Tin tin = run(dem, 1).tin;
-  const Raster places = lattice(333, 777, -3.3, 301.7, 0.61, 0.39);
-  const Raster one = rasterized(tin, places);
-  const auto same = [&](const Raster& other) {
-    return std::equal(one.samples.begin(), one.samples.end(), other.samples.begin(),
-                      [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+  // Walls, and zeros of both signs where they stand.
+  for (Point& p : tin.vertices) p.z = p.x < 100 ? p.z : p.y < 150 ? 0.0 : -0.0;
+  const Tin above = tin;
+  for (Point p : above.vertices) tin.vertices.push_back({p.x, p.y, -p.z});
+  for (const Face& f : above.faces) {
+    const Index n = static_cast<Index>(above.vertices.size());
+    tin.faces.push_back({f[0] + n, f[1] + n, f[2] + n});
+  }
+  const auto same = [](const Raster& a, const Raster& b) {
+    return std::equal(a.samples.begin(), a.samples.end(), b.samples.begin(), b.samples.end(), [](double x, double y) {
+      return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+    });
   };
-  for (const int threads : {2, 3, 7}) EXPECT_TRUE(same(rasterized(tin, places, threads)));
-  std::shuffle(tin.faces.begin(), tin.faces.end(), random);
-  for (Face& f : tin.faces) std::rotate(f.begin(), f.begin() + random() % 3, f.end());
-  EXPECT_TRUE(same(rasterized(tin, places, 2)));
+  for (const Raster& places : {lattice(333, 777, -3.3, 301.7, 0.61, 0.39), lattice(200, 300, dem.x0, dem.y0, 1, 1)}) {
+    Tin shuffled = tin;
+    const Raster one = rasterized(tin, places);
+    for (const int threads : {2, 3, 7}) EXPECT_TRUE(same(one, rasterized(tin, places, threads)));
+    std::shuffle(shuffled.faces.begin(), shuffled.faces.end(), random);
+    for (Face& f : shuffled.faces) std::rotate(f.begin(), f.begin() + random() % 3, f.end());
+    EXPECT_TRUE(same(one, rasterized(shuffled, places, 2)));
+  }
 }
 
 TEST(Rasterize, NothingOfNothing) {

@@ -85,7 +85,7 @@ TEST(Triangulate, HolesIslandsCorridorsAndTouchingParts) {
 }
 
 TEST(Triangulate, AFlatRasterIsTwoTriangles) {
-  const Triangulated t = run(Raster{50, 70, 10, 20, 2, 3, std::vector<double>(3500, 7.0)}, 0.01);
+  const Triangulated t = run(Raster{50, 70, 10, 20, 2, 3, Array<double>(3500, 7.0)}, 0.01);
   EXPECT_EQ(t.tin.faces.size(), 2u);
   EXPECT_EQ(t.error, 0);
 }

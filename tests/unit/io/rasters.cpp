@@ -9,7 +9,7 @@ namespace {
 
 const std::vector<float> six = {1, 2, 3, 4, 5, 6};
 
-void expect_samples(const Raster& raster, const std::vector<double>& samples) {
+void expect_samples(const Raster& raster, const Array<double>& samples) {
   ASSERT_EQ(raster.samples.size(), samples.size());
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (std::isnan(samples[k]))
