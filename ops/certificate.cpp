@@ -145,11 +145,11 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                            const Context& context) {
   const Tin& tin = std::get<Tin>(outcome.result);
   const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
-  const double plan_area = area(tin, nullptr);
+  const double in_plan = plan_area(tin, context);
   nlohmann::json balance;
   if (outcome.expected_area) {
     // In squared CRS units, degrees included: this is about the mesh, not about the ground.
-    const double actual = plan_area;
+    const double actual = in_plan;
     balance = {{"expected", *outcome.expected_area}, {"actual", actual}, {"residual", actual - *outcome.expected_area}};
   }
   nlohmann::json made = {{"type", "Certificate"},
@@ -157,7 +157,7 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                          {"operation", plan.operation->id},
                          {"parameters", deciding(plan.parameters)},
                          {"inputs", inputs_json(frame)},
-                         {"output", output_json(seen, frame.crs, domain_area(tin, frame.crs, plan_area))},
+                         {"output", output_json(seen, frame.crs, domain_area(tin, frame.crs, in_plan))},
                          {"topology",
                           {{"inverted", seen.inverted},
                            {"degenerate", seen.degenerate},

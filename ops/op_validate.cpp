@@ -40,7 +40,7 @@ Outcome run(std::vector<Surface>& inputs, const ValidateParameters& p, Context& 
   Outcome outcome;
   if (!p.repair) {
     const auto defects = defect_list(tin);
-    const Inspection seen = inspect(tin);
+    const Inspection seen = inspect(tin, context);
     outcome.result = nlohmann::json{
         {"type", "ValidationReport"}, {"name", surface.name}, {"valid", defects.empty()},       {"defects", defects},
         {"vertices", seen.vertices},  {"faces", seen.faces},  {"topology", topology_json(seen)}};
