@@ -20,16 +20,19 @@ class Components {
     const std::size_t n = lower_.size(), chunk = chunk_for(context, n);
     std::vector<std::vector<std::array<Index, 2>>> across(n / chunk + 1);  // faces of two ranges that share an edge
     parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
-      std::iota(lower_.begin() + begin, lower_.begin() + end, static_cast<Index>(begin));
-      for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f)
+      for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
+        lower_[f] = f;
         for (Index h = 3 * f; h < 3 * f + 3; ++h) {
           if (topology.mate[h] < 0 || topology.mate[h] > h) continue;
           const Index g = topology.mate[h] / 3;
           if (g < static_cast<Index>(begin))
             across[begin / chunk].push_back({f, g});
+          else if (lower_[f] == f)
+            lower_[f] = lower_[g];
           else if (lower_[f] != lower_[g])
             join(f, g);
         }
+      }
     });
     for (const auto& pairs : across)
       for (const auto& [f, g] : pairs) join(f, g);

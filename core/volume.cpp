@@ -36,25 +36,21 @@ std::array<double, 3> heights(const Tin& tin, const Face& f) {
   return {tin.vertices[f[0]].z, tin.vertices[f[1]].z, tin.vertices[f[2]].z};
 }
 
-/// The integral of value(face, corner weights) over the faces that are no walls. Only without a scale, which need not
-/// bear several threads, does the context have more than one.
+double area_of(const std::array<Point2, 3>& p) {
+  return 0.5 * ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
+}
+
+/// The integral of value(face, corner weights) over the faces that are no walls.
 template <class Value>
-double sum_over_faces(const Tin& tin, const AreaScale& scale, const Context& context, Value value) {
-  const AreaWeights weights(scale, scale ? bounds(tin) : Box());
-  std::vector<Sum> sums(tin.faces.size() / faces_per_report + 1);
-  parallel_for(context, tin.faces.size(), faces_per_report, [&](std::size_t begin, std::size_t end) {
-    Sum sum;
-    for (std::size_t f = begin; f < end; ++f) {
-      const Face& face = tin.faces[f];
-      if (is_wall(tin, face)) continue;
-      const auto p = corners(tin, face);
-      const double area = 0.5 * ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
-      sum.add(value(face, weights(p, area)));
-    }
-    sums[begin / faces_per_report] = sum;
-  });
-  for (std::size_t i = 1; i < sums.size(); ++i) sums[0].add(sums[i]);
-  return sums[0].value();
+double sum_over_faces(const Tin& tin, const AreaScale& scale, Value value) {
+  const AreaWeights weights(scale, bounds(tin));
+  Sum sum;
+  for (const Face& face : tin.faces) {
+    if (is_wall(tin, face)) continue;
+    const auto p = corners(tin, face);
+    sum.add(value(face, weights(p, area_of(p))));
+  }
+  return sum.value();
 }
 
 }  // namespace
@@ -91,18 +87,28 @@ Volume volume(const Tin& surface, double level, double tolerance, const AreaScal
 }
 
 double integral(const Tin& tin, const AreaScale& scale) {
-  return sum_over_faces(tin, scale, Context(), [&](const Face& face, const std::array<double, 3>& w) {
+  return sum_over_faces(tin, scale, [&](const Face& face, const std::array<double, 3>& w) {
     const auto z = heights(tin, face);
     return w[0] * z[0] + w[1] * z[1] + w[2] * z[2];
   });
 }
 
 double area(const Tin& tin, const AreaScale& scale) {
-  return sum_over_faces(tin, scale, Context(), [](const Face&, const auto& w) { return w[0] + w[1] + w[2]; });
+  return sum_over_faces(tin, scale, [](const Face&, const auto& w) { return w[0] + w[1] + w[2]; });
 }
 
 double plan_area(const Tin& tin, const Context& context) {
-  return sum_over_faces(tin, nullptr, context, [](const Face&, const auto& w) { return w[0] + w[1] + w[2]; });
+  std::vector<Sum> sums(tin.faces.size() / faces_per_report + 1);
+  parallel_for(context, tin.faces.size(), faces_per_report, [&](std::size_t begin, std::size_t end) {
+    Sum sum;
+    for (std::size_t f = begin; f < end; ++f) {
+      const double third = area_of(corners(tin, tin.faces[f])) / 3;
+      sum.add(third + third + third);  // as area() does
+    }
+    sums[begin / faces_per_report] = sum;
+  });
+  for (std::size_t i = 1; i < sums.size(); ++i) sums[0].add(sums[i]);
+  return sums[0].value();
 }
 
 }  // namespace terrane
