@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/array.hpp"
+#include "core/box.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
@@ -122,11 +123,18 @@ class BorderRings {
   std::vector<Leaving> leaving_;
 };
 
-void measure_heights(const Tin& tin, Inspection& result) {
+void measure_heights(const Tin& tin, Inspection& result, const Context& context) {
   if (tin.vertices.empty()) return;
-  const auto by_z = [](const Point& p, const Point& q) { return p.z < q.z; };
-  const auto [low, high] = std::minmax_element(tin.vertices.begin(), tin.vertices.end(), by_z);
-  result.zmin = low->z, result.zmax = high->z;
+  const std::size_t n = tin.vertices.size(), chunk = chunk_for(context, n);
+  std::vector<std::pair<double, double>> ranges(n / chunk + 1, {tin.vertices[0].z, tin.vertices[0].z});
+  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+    auto [low, high] = ranges[begin / chunk];
+    for (std::size_t v = begin; v < end; ++v)
+      low = std::min(low, tin.vertices[v].z), high = std::max(high, tin.vertices[v].z);
+    ranges[begin / chunk] = {low, high};
+  });
+  result.zmin = result.zmax = tin.vertices[0].z;
+  for (const auto& [low, high] : ranges) result.zmin = std::min(result.zmin, low), result.zmax = std::max(result.zmax, high);
 }
 
 void count_faces(const PlanTopology& topology, const Components& components, Inspection& result,
@@ -158,12 +166,8 @@ Inspection inspect(const Tin& tin, const Context& context) {
   Inspection result;
   result.vertices = tin.vertices.size();
   result.faces = tin.faces.size();
-  parallel_tasks(context, 2, [&](std::size_t task) {
-    if (task == 0)
-      result.box = bounds(tin);
-    else
-      measure_heights(tin, result);
-  });
+  result.box = bounds(tin.vertices, context);
+  measure_heights(tin, result, context);
   const PlanTopology topology = plan_topology(tin, context);
   result.non_manifold_edges = topology.crowded.size();
   const BorderReport border = examine_border(tin, topology, 0);

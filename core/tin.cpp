@@ -7,9 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include "core/array.hpp"
+#include "core/box.hpp"
 #include "core/chains.hpp"
 #include "core/hilbert.hpp"
 #include "core/parallel.hpp"
@@ -86,7 +88,7 @@ Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Fac
   });
   const std::size_t chunk = chunk_for(context, vertices);
   struct Part {
-    Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
+    Box box = no_box;
     std::size_t count = 0;
   };
   std::vector<Part> parts(vertices / chunk + 1);
@@ -94,18 +96,15 @@ Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Fac
     Part part;
     for (std::size_t v = begin; v < end; ++v) {
       if (!used[v]) continue;
-      const Point p = at(v);
-      Box& box = part.box;
-      box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
+      part.box = around(part.box, plan(at(v)));
       ++part.count;
     }
     parts[begin / chunk] = part;
   });
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
+  Box box = no_box;
   std::size_t count = 0;
   for (Part& part : parts) {
-    const Box& b = part.box;
-    box = {std::min(box.xmin, b.xmin), std::min(box.ymin, b.ymin), std::max(box.xmax, b.xmax), std::max(box.ymax, b.ymax)};
+    box = around(box, part.box);
     count += std::exchange(part.count, count);
   }
   const HilbertCurve curve(box);
@@ -197,13 +196,18 @@ Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces
 
 }  // namespace
 
-Box bounds(const Tin& tin) {
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
-  for (const Point& p : tin.vertices) {
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-  }
-  return box;
+Box bounds(std::span<const Point> vertices, const Context& context) {
+  const std::size_t chunk = chunk_for(context, vertices.size());
+  std::vector<Box> boxes(vertices.size() / chunk + 1, no_box);
+  parallel_for(context, vertices.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    Box box = no_box;
+    for (const Point& p : vertices.subspan(begin, end - begin)) box = around(box, plan(p));
+    boxes[begin / chunk] = box;
+  });
+  return std::accumulate(boxes.begin(), boxes.end(), no_box, [](const Box& a, const Box& b) { return around(a, b); });
 }
+
+Box bounds(const Tin& tin) { return bounds(tin.vertices, Context()); }
 
 Tin canonical(Tin tin, const Context& context) {
   const auto at = [&](std::size_t v) { return tin.vertices[v]; };

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/box.hpp"
 #include "core/chains.hpp"
 #include "core/hilbert.hpp"
 #include "core/parallel.hpp"
@@ -186,21 +187,8 @@ std::vector<Index> border_of(std::size_t begin, std::size_t end, PlanTopology& t
 /// are neighbours. Empty when they do not, or some are not finite.
 Array<Index> places_along_curve(const std::vector<Point>& vertices, const Context& context) {
   const std::size_t n = vertices.size(), chunk = chunk_for(context, n);
-  std::vector<Box> boxes(n / chunk + 1, {INFINITY, INFINITY, -INFINITY, -INFINITY});
+  const HilbertCurve curve(bounds(vertices, context));
   std::atomic<bool> along = true;
-  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
-    Box& box = boxes[begin / chunk];
-    for (std::size_t v = begin; v < end; ++v) {
-      const Point& p = vertices[v];
-      if (!finite(p)) return along.store(false);
-      box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-    }
-  });
-  if (!along) return {};
-  for (const Box& b : boxes)
-    boxes[0] = {std::min(boxes[0].xmin, b.xmin), std::min(boxes[0].ymin, b.ymin), std::max(boxes[0].xmax, b.xmax),
-                std::max(boxes[0].ymax, b.ymax)};
-  const HilbertCurve curve(boxes[0]);
   Array<Index> place(n);
   parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
     std::size_t first = begin;  // at the place of the vertex before
@@ -208,6 +196,7 @@ Array<Index> places_along_curve(const std::vector<Point>& vertices, const Contex
     std::uint64_t last = begin > 0 ? curve.key(vertices[begin - 1].x, vertices[begin - 1].y) : 0;
     for (std::size_t v = begin; v < end; ++v) {
       const Point& p = vertices[v];
+      if (!finite(p)) return along.store(false);
       const std::uint64_t key = curve.key(p.x, p.y);
       if (v > 0 && key <= last) {
         const Point& q = vertices[v - 1];

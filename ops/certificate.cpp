@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "core/parallel.hpp"
 #include "core/volume.hpp"
 #include "ops/heights.hpp"
@@ -88,7 +89,7 @@ HeightCheck check_heights(const Tin& result, const HeightFields& fields, const H
                           const RoundingReport& rounding, Context& context) {
   if (!fold || result.vertices.empty()) return {};
   context.progress("verify", 0);
-  const Box box = bounds(result);
+  const Box box = bounds(result.vertices, context);
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double radius = 2 * (rounding.max_move + rounding.max_snap) + 4 * 2.3e-16 * largest;
   const std::size_t step = std::max<std::size_t>(1, result.vertices.size() / 5000), chunk = 512 * step;
