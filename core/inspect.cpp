@@ -39,20 +39,17 @@ class Components {
       for (const auto& [f, g] : pairs) join(f, g);
   }
 
-  Index of(Index f) const {
-    while (lower_[f] != f) f = lower_[f];
+  /// The part that a face belongs to.
+  Index of(Index f) {
+    while (lower_[f] != f) f = lower_[f] = lower_[lower_[f]];
     return f;
   }
   bool is_lowest(Index f) const { return lower_[f] == f; }
 
  private:
   void join(Index f, Index g) {
-    f = find(f), g = find(g);
+    f = of(f), g = of(g);
     lower_[std::max(f, g)] = std::min(f, g);
-  }
-  Index find(Index f) {
-    while (lower_[f] != f) f = lower_[f] = lower_[lower_[f]];
-    return f;
   }
 
   Array<Index> lower_;  // a face of the same part, itself where there is no lower one
@@ -62,7 +59,7 @@ class Components {
 /// in a polygon of the simple feature model.
 class BorderRings {
  public:
-  BorderRings(const Tin& tin, const PlanTopology& topology, const Components& components)
+  BorderRings(const Tin& tin, const PlanTopology& topology, Components& components)
       : tin_(tin), topology_(topology), components_(components) {
     for (Index i = 0; i < static_cast<Index>(topology.border.size()); ++i) {
       const Index h = topology.border[i];
@@ -119,7 +116,7 @@ class BorderRings {
 
   const Tin& tin_;
   const PlanTopology& topology_;
-  const Components& components_;
+  Components& components_;
   std::vector<Leaving> leaving_;
 };
 
@@ -134,7 +131,10 @@ void measure_heights(const Tin& tin, Inspection& result, const Context& context)
     ranges[begin / chunk] = {low, high};
   });
   result.zmin = result.zmax = tin.vertices[0].z;
-  for (const auto& [low, high] : ranges) result.zmin = std::min(result.zmin, low), result.zmax = std::max(result.zmax, high);
+  for (const auto& [low, high] : ranges) {
+    result.zmin = std::min(result.zmin, low);
+    result.zmax = std::max(result.zmax, high);
+  }
 }
 
 void count_faces(const PlanTopology& topology, const Components& components, Inspection& result,
@@ -143,12 +143,12 @@ void count_faces(const PlanTopology& topology, const Components& components, Ins
   std::vector<Inspection> parts(n / chunk + 1);
   parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
     Inspection part;
-    for (std::size_t f = begin; f < end; ++f) {
+    for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
       const Turn turn = topology.turn[f];
       part.walls += turn == Turn::wall;
       part.inverted += turn == Turn::right;
       part.degenerate += turn == Turn::flat || turn == Turn::unusable;
-      part.components += (turn == Turn::left || turn == Turn::right) && components.is_lowest(static_cast<Index>(f));
+      part.components += topology.in_plan(f) && components.is_lowest(f);
     }
     parts[begin / chunk] = part;
   });
@@ -173,7 +173,7 @@ Inspection inspect(const Tin& tin, const Context& context) {
   const BorderReport border = examine_border(tin, topology, 0);
   result.t_junctions = border.touches.size();
   result.overlaps = border.crossings + border.doubled_regions;
-  const Components components(topology, context);
+  Components components(topology, context);
   count_faces(topology, components, result, context);
   const std::size_t rings = BorderRings(tin, topology, components).count();
   result.holes = rings - std::min(result.components, rings);
