@@ -32,9 +32,9 @@ struct Chains {
 };
 
 /// Hangs some of `items` items at vertices on several threads, each of which owns a range of the vertices.
-/// each(begin, end, hang) is called for consecutive ranges that make up 0 ... steps - 1 and calls hang(vertex, item), for
-/// an item at most once. Quickest where steps near each other hang at near vertices: what belongs to another thread's
-/// range is handed over.
+/// each(begin, end, hang) is called for consecutive ranges that make up 0 ... steps - 1 and calls hang(vertex, item),
+/// for an item at most once. Quickest where steps near each other hang at near vertices: what belongs to another
+/// thread's range is handed over.
 template <class Each>
 Chains chains(std::size_t vertices, std::size_t items, std::size_t steps, const Context& context, const Each& each) {
   struct Hung {

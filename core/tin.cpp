@@ -162,17 +162,17 @@ Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces
     auto last = static_cast<Index>(start[begin / chunk]) - 1;
     for (std::size_t i = begin; i < end; ++i) rank[vertex_of(order[i])] = last += fresh(i);
   });
-  const Chains at_lowest =
-      chains(start.back(), faces.size(), faces.size(), context, [&](std::size_t begin, std::size_t end, const auto& hang) {
-        for (std::size_t f = begin; f < end; ++f) {
-          if (faces[f][0] == none) continue;
-          faces[f] = from_lowest(rank[faces[f][0]], rank[faces[f][1]], rank[faces[f][2]]);
-          hang(faces[f][0], static_cast<Index>(f));
-        }
-      });
+  const auto renumber = [&](std::size_t begin, std::size_t end, const auto& hang) {
+    for (std::size_t f = begin; f < end; ++f) {
+      if (faces[f][0] == none) continue;
+      faces[f] = from_lowest(rank[faces[f][0]], rank[faces[f][1]], rank[faces[f][2]]);
+      hang(faces[f][0], static_cast<Index>(f));
+    }
+  };
+  const Chains at_lowest = chains(start.back(), faces.size(), faces.size(), context, renumber);
 
   Tin result;
-  parallel_tasks(context, 2, [&](std::size_t i) {  // the first touch of so much memory costs more than what is done there
+  parallel_tasks(context, 2, [&](std::size_t i) {  // the first touch of memory costs more than what is done there
     i == 0 ? result.vertices.resize(start.back()) : result.faces.resize(at_lowest.count());
   });
   parallel_for(context, order.size(), chunk, [&](std::size_t begin, std::size_t end) {
@@ -214,7 +214,8 @@ Tin canonical(Tin tin, const Context& context) {
   return in_canonical_order(tin.vertices.size(), at, tin.faces, context);
 }
 
-Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces, const Context& context) {
+Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces,
+              const Context& context) {
   const auto at = [&](std::size_t v) { return Point{points[v].x, points[v].y, z[v]}; };
   return in_canonical_order(points.size(), at, faces, context);
 }

@@ -99,8 +99,8 @@ void pair_up(Spoke* first, Spoke* last, Index low, PlanTopology& topology, PlanE
   }
 }
 
-/// The same for all edges of a vertex, where they are few and no side of one has two faces: what most vertices are like.
-/// False, and nothing done, where that is not so.
+/// The same for all edges of a vertex, where they are few and no side of one has two faces, as at most vertices. False,
+/// and nothing done, where that is not so.
 bool pair_few(const std::vector<Spoke>& spokes, PlanTopology& topology) {
   constexpr std::size_t few = 16;
   const std::size_t n = spokes.size();
