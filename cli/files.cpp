@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -127,11 +128,14 @@ void OutputFile::open() {
 }
 
 void OutputFile::write(std::string_view bytes) {
+  constexpr std::size_t piece = 8 << 20;
   if (fd_ < 0) open();
   while (!bytes.empty()) {
-    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    const ssize_t n = ::write(fd_, bytes.data(), std::min(bytes.size(), piece));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail_to_store("cannot write", path_);
+    // The disk begins while the rest is made, and keep() finds less to wait for.
+    if (!temporary_.empty()) ::sync_file_range(fd_, 0, 0, SYNC_FILE_RANGE_WRITE);
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
 }

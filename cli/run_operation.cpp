@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/run_operation.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -59,9 +60,17 @@ void print_warnings(const std::vector<Warning>& warnings) {
                  w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
 }
 
+/// Has the big arrays of one stage lie where those of the stage before did: the first touch of memory costs as much as
+/// most of what is computed there, and this process gives all of it back soon.
+void reuse_memory() {
+  ::mallopt(M_MMAP_MAX, 0);
+  ::mallopt(M_TRIM_THRESHOLD, -1);
+}
+
 }  // namespace
 
 void run_operation(const Operation& operation, const CommandLine& line) {
+  reuse_memory();
   Request request;
   request.operation = operation.id;
   request.parameters = line.parameters;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 
 namespace terrane {
 namespace {
@@ -33,18 +34,19 @@ class Folder {
     return outside_ == Outside::drop && !overlay_.per_corner[0] && !overlay_.per_corner[1];
   }
 
-  Tin by_place() const {
-    Tin tin;
-    tin.vertices.reserve(overlay_.points.size());
-    for (std::size_t v = 0; v < overlay_.points.size(); ++v) {
-      double z = 0;
-      for (int input : {0, 1}) z += signs_[input] * overlay_.heights[input][v];
-      tin.vertices.push_back({overlay_.points[v].x, overlay_.points[v].y, z});
-    }
-    tin.faces.reserve(overlay_.faces.size());
-    for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
-      if (both(f)) tin.faces.push_back(overlay_.faces[f]);
-    return tin;
+  Tin by_place(const Context& context) {
+    Array<double>& z = overlay_.heights[0];
+    parallel_for(context, z.size(), chunk_for(context, z.size()), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) z[v] = signs_[0] * z[v] + signs_[1] * overlay_.heights[1][v];
+    });
+    parallel_for(context, overlay_.faces.size(), chunk_for(context, overlay_.faces.size()),
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t f = begin; f < end; ++f)
+                     if (!both(f)) overlay_.faces[f][0] = none;
+                 });
+    Array<double>().swap(overlay_.heights[1]);  // the result can have their memory
+    Array<std::array<Index, 2>>().swap(overlay_.parents);
+    return canonical(overlay_.points, z, overlay_.faces, context);
   }
 
   CornerSurface by_corner() {
@@ -88,7 +90,7 @@ Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const A
   Folder folder(std::move(overlaid), signs, outside);
   Assembled result;
   if (folder.one_height_per_place()) {
-    result.tin = canonical(folder.by_place());
+    result.tin = folder.by_place(context);
     context.progress("assemble", 1);
   } else {
     result = assemble(folder.by_corner(), assembly, context);

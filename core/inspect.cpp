@@ -4,40 +4,66 @@
 #include <numeric>
 #include <utility>
 
+#include "core/array.hpp"
+#include "core/box.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
-#include "core/sum.hpp"
 #include "core/topology.hpp"
 #include "core/validate.hpp"
 
 namespace terrane {
 namespace {
 
-/// The parts of the domain that hang together over shared edges: per face the lowest face of its part.
-std::vector<Index> components_of(const PlanTopology& topology) {
-  std::vector<Index> root(topology.turn.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](Index f) {
-    while (root[f] != f) f = root[f] = root[root[f]];
-    return f;
-  };
-  for (Index h = 0; h < static_cast<Index>(topology.mate.size()); ++h) {
-    if (topology.mate[h] <= h) continue;
-    const Index a = find(h / 3), b = find(topology.mate[h] / 3);
-    if (a != b) root[std::max(a, b)] = std::min(a, b);
+/// The parts of the domain that hang together over shared edges, each known by its lowest face.
+class Components {
+ public:
+  Components(const PlanTopology& topology, const Context& context) : lower_(topology.turn.size()) {
+    const std::size_t n = lower_.size(), chunk = chunk_for(context, n);
+    std::vector<std::vector<std::array<Index, 2>>> across(n / chunk + 1);  // faces of two ranges that share an edge
+    parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+      for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
+        lower_[f] = f;
+        for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+          if (topology.mate[h] < 0 || topology.mate[h] > h) continue;
+          const Index g = topology.mate[h] / 3;
+          if (g < static_cast<Index>(begin))
+            across[begin / chunk].push_back({f, g});
+          else if (lower_[f] == f)
+            lower_[f] = lower_[g];
+          else if (lower_[f] != lower_[g])
+            join(f, g);
+        }
+      }
+    });
+    for (const auto& pairs : across)
+      for (const auto& [f, g] : pairs) join(f, g);
   }
-  for (Index& r : root) r = root[r];  // parents come before their children
-  return root;
-}
+
+  /// The part that a face belongs to.
+  Index of(Index f) {
+    while (lower_[f] != f) f = lower_[f] = lower_[lower_[f]];
+    return f;
+  }
+  bool is_lowest(Index f) const { return lower_[f] == f; }
+
+ private:
+  void join(Index f, Index g) {
+    f = of(f), g = of(g);
+    lower_[std::max(f, g)] = std::min(f, g);
+  }
+
+  Array<Index> lower_;  // a face of the same part, itself where there is no lower one
+};
 
 /// Follows the border of each component around the voids beside it, so that rings that touch in a point stay apart, as
 /// in a polygon of the simple feature model.
 class BorderRings {
  public:
-  BorderRings(const Tin& tin, const PlanTopology& topology, const std::vector<Index>& component)
-      : tin_(tin), topology_(topology), component_(component) {
+  BorderRings(const Tin& tin, const PlanTopology& topology, Components& components)
+      : tin_(tin), topology_(topology), components_(components) {
     for (Index i = 0; i < static_cast<Index>(topology.border.size()); ++i) {
       const Index h = topology.border[i];
-      leaving_.push_back({from(h), component[h / 3], to(h), i});
+      leaving_.push_back({from(h), components.of(h / 3), to(h), i});
     }
     std::sort(leaving_.begin(), leaving_.end(), [&](const Leaving& p, const Leaving& q) {
       if (p.key() != q.key()) return p.key() < q.key();
@@ -69,7 +95,7 @@ class BorderRings {
   /// Of the border edges that leave where edge i arrives: the first one counter-clockwise, on the far side of the void.
   Index next(Index i) const {
     const Index h = topology_.border[i], here = to(h);
-    const std::pair<Index, Index> key = {here, component_[h / 3]};
+    const std::pair<Index, Index> key = {here, components_.of(h / 3)};
     const auto first =
         std::partition_point(leaving_.begin(), leaving_.end(), [&](const Leaving& l) { return l.key() < key; });
     if (first == leaving_.end() || first->key() != key) return none;
@@ -90,53 +116,67 @@ class BorderRings {
 
   const Tin& tin_;
   const PlanTopology& topology_;
-  const std::vector<Index>& component_;
+  Components& components_;
   std::vector<Leaving> leaving_;
 };
 
-void measure(const Tin& tin, const PlanTopology& topology, Inspection& result) {
-  Sum area_2d, area_3d;
-  for (std::size_t f = 0; f < tin.faces.size(); ++f) {
-    if (!topology.in_plan(static_cast<Index>(f))) continue;
-    const Point &a = tin.vertices[tin.faces[f][0]], &b = tin.vertices[tin.faces[f][1]],
-                &c = tin.vertices[tin.faces[f][2]];
-    const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
-    const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    area_2d.add(0.5 * std::fabs(nz));
-    area_3d.add(0.5 * std::sqrt(nx * nx + ny * ny + nz * nz));
+void measure_heights(const Tin& tin, Inspection& result, const Context& context) {
+  if (tin.vertices.empty()) return;
+  const std::size_t n = tin.vertices.size(), chunk = chunk_for(context, n);
+  std::vector<std::pair<double, double>> ranges(n / chunk + 1, {tin.vertices[0].z, tin.vertices[0].z});
+  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+    auto [low, high] = ranges[begin / chunk];
+    for (std::size_t v = begin; v < end; ++v)
+      low = std::min(low, tin.vertices[v].z), high = std::max(high, tin.vertices[v].z);
+    ranges[begin / chunk] = {low, high};
+  });
+  result.zmin = result.zmax = tin.vertices[0].z;
+  for (const auto& [low, high] : ranges) {
+    result.zmin = std::min(result.zmin, low);
+    result.zmax = std::max(result.zmax, high);
   }
-  result.area_2d = area_2d.value();
-  result.area_3d = area_3d.value();
+}
+
+void count_faces(const PlanTopology& topology, const Components& components, Inspection& result,
+                 const Context& context) {
+  const std::size_t n = topology.turn.size(), chunk = chunk_for(context, n);
+  std::vector<Inspection> parts(n / chunk + 1);
+  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+    Inspection part;
+    for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
+      const Turn turn = topology.turn[f];
+      part.walls += turn == Turn::wall;
+      part.inverted += turn == Turn::right;
+      part.degenerate += turn == Turn::flat || turn == Turn::unusable;
+      part.components += topology.in_plan(f) && components.is_lowest(f);
+    }
+    parts[begin / chunk] = part;
+  });
+  for (const Inspection& part : parts) {
+    result.walls += part.walls;
+    result.inverted += part.inverted;
+    result.degenerate += part.degenerate;
+    result.components += part.components;
+  }
 }
 
 }  // namespace
 
-Inspection inspect(const Tin& tin) {
+Inspection inspect(const Tin& tin, const Context& context) {
   Inspection result;
   result.vertices = tin.vertices.size();
   result.faces = tin.faces.size();
-  result.box = bounds(tin);
-  if (!tin.vertices.empty()) {
-    const auto by_z = [](const Point& p, const Point& q) { return p.z < q.z; };
-    const auto [low, high] = std::minmax_element(tin.vertices.begin(), tin.vertices.end(), by_z);
-    result.zmin = low->z, result.zmax = high->z;
-  }
-  const PlanTopology topology = plan_topology(tin);
-  for (const Turn turn : topology.turn) {
-    result.walls += turn == Turn::wall;
-    result.inverted += turn == Turn::right;
-    result.degenerate += turn == Turn::flat || turn == Turn::unusable;
-  }
+  result.box = bounds(tin.vertices, context);
+  measure_heights(tin, result, context);
+  const PlanTopology topology = plan_topology(tin, context);
   result.non_manifold_edges = topology.crowded.size();
   const BorderReport border = examine_border(tin, topology, 0);
   result.t_junctions = border.touches.size();
   result.overlaps = border.crossings + border.doubled_regions;
-  const std::vector<Index> component = components_of(topology);
-  for (Index f = 0; f < static_cast<Index>(component.size()); ++f)
-    result.components += topology.in_plan(f) && component[f] == f;
-  const std::size_t rings = BorderRings(tin, topology, component).count();
+  Components components(topology, context);
+  count_faces(topology, components, result, context);
+  const std::size_t rings = BorderRings(tin, topology, components).count();
   result.holes = rings - std::min(result.components, rings);
-  measure(tin, topology, result);
   return result;
 }
 

@@ -114,7 +114,7 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
   connect(mesh);
   const bool walls = std::any_of(tin.faces.begin(), tin.faces.end(), [&](const Face& f) { return is_wall(tin, f); });
   reconcile_heights(surface, mesh.neighbours, walls);
-  result.tin = canonical(raise(surface, mesh.neighbours, walls).tin);
+  result.tin = canonical(raise(surface, mesh.neighbours, walls).tin, context);
   result.rounding = rounded.report;
   context.progress("grid", 1);
   return result;

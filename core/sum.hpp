@@ -13,6 +13,11 @@ class Sum {
     lost_ += std::fabs(sum_) >= std::fabs(term) ? (sum_ - next) + term : (term - next) + sum_;
     sum_ = next;
   }
+  /// What another sum has, its error included.
+  void add(const Sum& more) {
+    add(more.sum_);
+    lost_ += more.lost_;
+  }
   double value() const { return sum_ + lost_; }
 
  private:

@@ -131,7 +131,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
     if (auto tin = single_valued(surface)) {
-      result.tin = canonical(*std::move(tin));
+      result.tin = canonical(*std::move(tin), context);
       context.progress("assemble", 1);
       return result;
     }
@@ -143,7 +143,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
     if (cuts.empty()) {
       Walled walled = raise(surface, mesh.neighbours, assembly.seam == Seam::wall);
       result.wall_area = walled.wall_area;
-      result.tin = canonical(std::move(walled.tin));
+      result.tin = canonical(std::move(walled.tin), context);
       context.progress("assemble", 1);
       return result;
     }

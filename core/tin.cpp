@@ -2,22 +2,29 @@
 #include "core/tin.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include "core/array.hpp"
+#include "core/box.hpp"
+#include "core/chains.hpp"
 #include "core/hilbert.hpp"
+#include "core/parallel.hpp"
 
 namespace terrane {
 
 namespace {
 
-struct Keyed {
-  std::uint64_t key;
-  Index vertex;
-};
+/// A vertex by the upper bits of its place on the curve, which tell most vertices apart.
+using Keyed = std::uint64_t;
+constexpr int index_bits = 31;
+Index vertex_of(Keyed k) { return static_cast<Index>(k & ((Keyed{1} << index_bits) - 1)); }
+bool same_upper(Keyed a, Keyed b) { return a >> index_bits == b >> index_bits; }
 
 /// A total order on doubles, NaN included, so that no input can confuse a sort.
 std::uint64_t ordered(double value) {
@@ -31,50 +38,100 @@ bool before(const Point& a, const Point& b) {
   return ordered(a.z) < ordered(b.z);
 }
 
-/// Sorts by key, then by coordinates. Three radix passes settle the upper 33 bits, which tell most vertices apart; the
-/// few that share them are compared.
-void sort_keyed(Array<Keyed>& keyed, const std::vector<Point>& points) {
+/// Three radix passes by the upper bits. Each range is counted and then moved by one thread.
+void sort_by_upper_bits(Array<Keyed>& keyed, const Context& context) {
   constexpr int bits = 11, buckets = 1 << bits;
   Array<Keyed> other(keyed.size());
-  for (int shift = 64 - 3 * bits; shift < 64; shift += bits) {
-    std::vector<Index> start(buckets + 1, 0);
-    for (const Keyed& k : keyed) ++start[(k.key >> shift & (buckets - 1)) + 1];
-    for (int b = 0; b < buckets; ++b) start[b + 1] += start[b];
-    for (const Keyed& k : keyed) other[start[k.key >> shift & (buckets - 1)]++] = k;
+  const std::size_t chunk = chunk_for(context, keyed.size());
+  std::vector<std::array<Index, buckets>> starts(keyed.size() / chunk + 1);
+  for (int shift = index_bits; shift < 64; shift += bits) {
+    const auto bucket = [shift](Keyed k) { return k >> shift & (buckets - 1); };
+    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+      auto& counts = starts[begin / chunk];
+      counts.fill(0);
+      for (std::size_t i = begin; i < end; ++i) ++counts[bucket(keyed[i])];
+    });
+    Index sum = 0;
+    for (int b = 0; b < buckets; ++b)
+      for (std::size_t begin = 0; begin < keyed.size(); begin += chunk)
+        sum += std::exchange(starts[begin / chunk][b], sum);
+    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+      auto& next = starts[begin / chunk];
+      for (std::size_t i = begin; i < end; ++i) other[next[bucket(keyed[i])]++] = keyed[i];
+    });
     keyed.swap(other);
-  }
-  const auto less = [&](const Keyed& a, const Keyed& b) {
-    return a.key != b.key ? a.key < b.key : before(points[a.vertex], points[b.vertex]);
-  };
-  for (std::size_t i = 0; i < keyed.size();) {
-    std::size_t end = i + 1;
-    while (end < keyed.size() && keyed[end].key >> (64 - 3 * bits) == keyed[i].key >> (64 - 3 * bits)) ++end;
-    if (end - i > 1) std::sort(keyed.begin() + i, keyed.begin() + end, less);
-    i = end;
   }
 }
 
+/// Sorts the vertices from `begin` to `end`, which share their upper bits, by the whole key, then by coordinates.
+template <class At>
+void sort_alike(Keyed* begin, Keyed* end, const HilbertCurve& curve, const At& at) {
+  std::vector<std::pair<std::uint64_t, Keyed>> whole;
+  for (const Keyed* k = begin; k != end; ++k) {
+    const Point p = at(vertex_of(*k));
+    whole.emplace_back(curve.key(p.x, p.y), *k);
+  }
+  std::sort(whole.begin(), whole.end(), [&](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : before(at(vertex_of(a.second)), at(vertex_of(b.second)));
+  });
+  for (const auto& [key, k] : whole) *begin++ = k;
+}
+
 /// The used vertices along the curve; those alike in all three coordinates next to each other.
-Array<Keyed> curve_order(const Tin& tin) {
-  std::vector<std::uint8_t> used(tin.vertices.size(), 0);
-  for (const Face& f : tin.faces) used[f[0]] = used[f[1]] = used[f[2]] = 1;
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
+template <class At>
+Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Face> faces, const Context& context) {
+  std::vector<std::uint8_t> used(vertices, 0);
+  parallel_for(context, faces.size(), chunk_for(context, faces.size()), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      if (faces[f][0] != none)
+        for (const Index v : faces[f]) std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
+  });
+  const std::size_t chunk = chunk_for(context, vertices);
+  struct Part {
+    Box box = no_box;
+    std::size_t count = 0;
+  };
+  std::vector<Part> parts(vertices / chunk + 1);
+  parallel_for(context, vertices, chunk, [&](std::size_t begin, std::size_t end) {
+    Part part;
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!used[v]) continue;
+      part.box = around(part.box, plan(at(v)));
+      ++part.count;
+    }
+    parts[begin / chunk] = part;
+  });
+  Box box = no_box;
   std::size_t count = 0;
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    if (!used[v]) continue;
-    const Point& p = tin.vertices[v];
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-    ++count;
+  for (Part& part : parts) {
+    box = around(box, part.box);
+    count += std::exchange(part.count, count);
   }
   const HilbertCurve curve(box);
-  Array<Keyed> keyed;
-  keyed.reserve(count);
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    if (!used[v]) continue;
-    const Point& p = tin.vertices[v];
-    keyed.push_back({curve.key(p.x, p.y), static_cast<Index>(v)});
+  Array<Keyed> keyed(count);
+  parallel_for(context, vertices, chunk, [&](std::size_t begin, std::size_t end) {
+    Keyed* to = keyed.data() + parts[begin / chunk].count;
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!used[v]) continue;
+      const Point p = at(v);
+      *to++ = curve.key(p.x, p.y) >> index_bits << index_bits | v;
+    }
+  });
+  sort_by_upper_bits(keyed, context);
+  std::vector<std::size_t> stops;
+  for (std::size_t i = 0; i < count; i += chunk_for(context, count)) {
+    while (i > 0 && i < count && same_upper(keyed[i], keyed[i - 1])) ++i;
+    stops.push_back(i);
   }
-  sort_keyed(keyed, tin.vertices);
+  stops.push_back(count);
+  parallel_tasks(context, stops.size() - 1, [&](std::size_t r) {
+    for (std::size_t i = stops[r]; i < stops[r + 1];) {
+      std::size_t end = i + 1;
+      while (end < stops[r + 1] && same_upper(keyed[end], keyed[i])) ++end;
+      if (end - i > 1) sort_alike(&keyed[i], &keyed[end], curve, at);
+      i = end;
+    }
+  });
   return keyed;
 }
 
@@ -86,48 +143,83 @@ Face from_lowest(Index a, Index b, Index c) {
   return std::min({Face{a, b, c}, Face{b, c, a}, Face{c, a, b}});
 }
 
-/// Faces by first corner (which is their lowest), then second, then third. They hang in a chain at their first corner,
-/// so that no more memory than one link each is touched before they are written in their order.
-std::vector<Face> sorted_faces(const std::vector<Face>& faces, std::size_t vertex_count) {
-  Array<Index> first(vertex_count, none), next(faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) next[f] = std::exchange(first[faces[f][0]], static_cast<Index>(f));
-  std::vector<Face> sorted;
-  sorted.reserve(faces.size());
-  for (const Index head : first) {
-    const std::size_t begin = sorted.size();
-    for (Index f = head; f != none; f = next[f]) sorted.push_back(faces[f]);
-    if (sorted.size() - begin > 1) std::sort(sorted.begin() + begin, sorted.end());
-  }
-  return sorted;
+/// canonical() of vertices and faces wherever they lie; faces whose first corner is none are left out.
+template <class At>
+Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces, const Context& context) {
+  const Array<Keyed> order = curve_order(vertices, at, faces, context);
+  // Vertices alike in all coordinates become one: no order among them could be told from the surface.
+  const auto fresh = [&](std::size_t i) {
+    return i == 0 || !same_upper(order[i], order[i - 1]) || !(at(vertex_of(order[i])) == at(vertex_of(order[i - 1])));
+  };
+  const std::size_t chunk = chunk_for(context, order.size());
+  std::vector<std::size_t> start(order.size() / chunk + 2, 0);
+  parallel_for(context, order.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) start[begin / chunk + 1] += fresh(i);
+  });
+  for (std::size_t r = 1; r < start.size(); ++r) start[r] += start[r - 1];
+  Array<Index> rank(vertices);
+  parallel_for(context, order.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    auto last = static_cast<Index>(start[begin / chunk]) - 1;
+    for (std::size_t i = begin; i < end; ++i) rank[vertex_of(order[i])] = last += fresh(i);
+  });
+  const auto renumber = [&](std::size_t begin, std::size_t end, const auto& hang) {
+    for (std::size_t f = begin; f < end; ++f) {
+      if (faces[f][0] == none) continue;
+      faces[f] = from_lowest(rank[faces[f][0]], rank[faces[f][1]], rank[faces[f][2]]);
+      hang(faces[f][0], static_cast<Index>(f));
+    }
+  };
+  const Chains at_lowest = chains(start.back(), faces.size(), faces.size(), context, renumber);
+
+  Tin result;
+  parallel_tasks(context, 2, [&](std::size_t i) {  // the first touch of memory costs more than what is done there
+    i == 0 ? result.vertices.resize(start.back()) : result.faces.resize(at_lowest.count());
+  });
+  parallel_for(context, order.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t next = start[begin / chunk];
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!fresh(i)) continue;
+      const Point p = at(vertex_of(order[i]));
+      result.vertices[next++] = {p.x + 0.0, p.y + 0.0, p.z + 0.0};  // turns -0 into 0, which would be other bytes
+    }
+  });
+  at_lowest.for_ranges(context, [&](const Chains::Range& range) {
+    Face* to = result.faces.data() + range.before;
+    for (Index v = range.low; v < range.high; ++v) {
+      Face* const begin = to;
+      for (Index f = at_lowest.first[v]; f != none; f = at_lowest.next[f]) *to++ = faces[f];
+      if (to - begin > 1) std::sort(begin, to);
+    }
+  });
+  return result;
 }
 
 }  // namespace
 
-Box bounds(const Tin& tin) {
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
-  for (const Point& p : tin.vertices) {
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-  }
-  return box;
+Box bounds(std::span<const Point> vertices, const Context& context) {
+  const std::size_t chunk = chunk_for(context, vertices.size());
+  std::vector<Box> boxes(vertices.size() / chunk + 1, no_box);
+  parallel_for(context, vertices.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    Box box = no_box;
+    for (const Point& p : vertices.subspan(begin, end - begin)) box = around(box, plan(p));
+    boxes[begin / chunk] = box;
+  });
+  return std::accumulate(boxes.begin(), boxes.end(), no_box, [](const Box& a, const Box& b) { return around(a, b); });
 }
 
-Tin canonical(Tin tin) {
-  const Array<Keyed> order = curve_order(tin);
-  Tin result;
-  result.vertices.reserve(order.size());
-  Array<Index> rank(tin.vertices.size());
-  for (const Keyed& k : order) {
-    const Point& p = tin.vertices[k.vertex];
-    // Vertices alike in all coordinates become one: no order among them could be told from the surface. Adding 0 turns
-    // -0 into 0, which equals it but would be other bytes.
-    if (result.vertices.empty() || !(result.vertices.back() == p)) {
-      result.vertices.push_back({p.x + 0.0, p.y + 0.0, p.z + 0.0});
-    }
-    rank[k.vertex] = static_cast<Index>(result.vertices.size() - 1);
-  }
-  for (Face& f : tin.faces) f = from_lowest(rank[f[0]], rank[f[1]], rank[f[2]]);
-  result.faces = sorted_faces(tin.faces, result.vertices.size());
-  return result;
+Box bounds(const Tin& tin) { return bounds(tin.vertices, Context()); }
+
+Tin canonical(Tin tin, const Context& context) {
+  const auto at = [&](std::size_t v) { return tin.vertices[v]; };
+  return in_canonical_order(tin.vertices.size(), at, tin.faces, context);
 }
+
+Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces,
+              const Context& context) {
+  const auto at = [&](std::size_t v) { return Point{points[v].x, points[v].y, z[v]}; };
+  return in_canonical_order(points.size(), at, faces, context);
+}
+
+Tin canonical(Tin tin) { return canonical(std::move(tin), Context()); }
 
 }  // namespace terrane

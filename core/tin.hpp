@@ -3,10 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 // A triangulated surface as a value: flat arrays, nothing else. The coordinate reference system travels outside.
 namespace terrane {
+
+class Context;
 
 using Index = std::int32_t;
 inline constexpr Index none = -1;
@@ -51,6 +54,9 @@ Box bounds(const Tin& tin);
 
 /// The same surface in the one order that does not depend on the order given: vertices along a Hilbert curve of their
 /// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n).
+Tin canonical(Tin tin, const Context& context);
 Tin canonical(Tin tin);
+/// The same of parts that lie apart, without those faces whose first corner is none. Renumbers `faces`.
+Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces, const Context& context);
 
 }  // namespace terrane

@@ -2,11 +2,15 @@
 #include "core/topology.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include "core/box.hpp"
+#include "core/chains.hpp"
 #include "core/hilbert.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
@@ -60,6 +64,16 @@ Turn turn_of(const Tin& tin, const Array<Index>& place, const Face& face) {
   return sign > 0 ? Turn::left : sign < 0 ? Turn::right : Turn::flat;
 }
 
+using PlanEdges = std::vector<std::array<Index, 2>>;
+
+/// What ranges found, one after another.
+template <class T>
+std::vector<T> joined(std::vector<std::vector<T>>& parts) {
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    parts[0].insert(parts[0].end(), parts[i].begin(), parts[i].end());
+  return std::move(parts[0]);
+}
+
 /// A half-edge as its lower end sees it.
 struct Spoke {
   Index other;  // the higher end
@@ -69,7 +83,7 @@ struct Spoke {
 };
 
 /// Pairs the half-edges of one plan edge: all of them run between the same two places.
-void pair_up(Spoke* first, Spoke* last, Index low, PlanTopology& topology) {
+void pair_up(Spoke* first, Spoke* last, Index low, PlanTopology& topology, PlanEdges& crowded) {
   const auto count = last - first;
   if (count == 2 && first->outward() != first[1].outward()) {
     topology.mate[first->half_edge()] = first[1].half_edge();
@@ -78,36 +92,53 @@ void pair_up(Spoke* first, Spoke* last, Index low, PlanTopology& topology) {
   }
   if (count == 1) return;
   Spoke* inward = std::stable_partition(first, last, [](const Spoke& s) { return s.outward(); });
-  topology.crowded.push_back({low, first->other});
+  crowded.push_back({low, first->other});
   for (Spoke *out = first, *in = inward; out != inward && in != last; ++out, ++in) {
     topology.mate[out->half_edge()] = in->half_edge();
     topology.mate[in->half_edge()] = out->half_edge();
   }
 }
 
-/// Judges the faces and hangs their half-edges in a chain at the lower end of each, in order, linked through `mate`
-/// until the mate is known. Returns the first of each chain.
-Array<Index> hang_half_edges(const Tin& tin, PlanTopology& topology) {
-  Array<Index> first(tin.vertices.size(), none);
-  topology.turn.resize(tin.faces.size());
-  topology.mate.resize(3 * tin.faces.size());
-  for (auto f = static_cast<Index>(tin.faces.size()); f-- > 0;) {
-    const Face& face = tin.faces[f];
-    topology.turn[f] = turn_of(tin, topology.place, face);
-    if (!topology.in_plan(f)) {
-      for (Index k = 0; k < 3; ++k) topology.mate[3 * f + k] = no_half_edge;
-      continue;
-    }
-    const Face at = {topology.place[face[0]], topology.place[face[1]], topology.place[face[2]]};
-    for (Index k = 3; k-- > 0;) {
-      Index& head = first[std::min(at[k], at[k == 2 ? 0 : k + 1])];
-      topology.mate[3 * f + k] = std::exchange(head, 3 * f + k);
+/// The same for all edges of a vertex, where they are few and no side of one has two faces, as at most vertices. False,
+/// and nothing done, where that is not so.
+bool pair_few(const std::vector<Spoke>& spokes, PlanTopology& topology) {
+  constexpr std::size_t few = 16;
+  const std::size_t n = spokes.size();
+  if (n > few) return false;
+  std::size_t twin[few];
+  for (std::size_t i = 0; i < n; ++i) {
+    twin[i] = i;
+    for (std::size_t j = i + 1; j < n; ++j) {
+      if (spokes[j].other != spokes[i].other) continue;
+      if (twin[i] != i || spokes[j].outward() == spokes[i].outward()) return false;
+      twin[i] = j;
     }
   }
-  return first;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (twin[i] == i) continue;
+    const Index h = spokes[i].half_edge(), mate = spokes[twin[i]].half_edge();
+    topology.mate[h] = mate;
+    topology.mate[mate] = h;
+  }
+  return true;
 }
 
-/// Takes the chain at a vertex apart: its half-edges by their other end, each as yet without a mate.
+/// Judges the faces and hangs their half-edges at the lower end of each.
+Chains hang_half_edges(const Tin& tin, PlanTopology& topology, const Context& context) {
+  const std::size_t n = tin.faces.size();
+  topology.turn.resize(n);
+  return chains(tin.vertices.size(), 3 * n, n, context, [&](std::size_t begin, std::size_t end, const auto& hang) {
+    for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f) {
+      const Face& face = tin.faces[f];
+      topology.turn[f] = turn_of(tin, topology.place, face);
+      if (!topology.in_plan(f)) continue;
+      const Face at = {topology.place[face[0]], topology.place[face[1]], topology.place[face[2]]};
+      for (Index k = 0; k < 3; ++k) hang(std::min(at[k], at[k == 2 ? 0 : k + 1]), 3 * f + k);
+    }
+  });
+}
+
+/// Takes the chain at a vertex apart: its half-edges, each as yet without a mate.
 void take_spokes(const Tin& tin, Index low, Index chain, PlanTopology& topology, std::vector<Spoke>& spokes) {
   spokes.clear();
   while (chain != none) {
@@ -117,42 +148,73 @@ void take_spokes(const Tin& tin, Index low, Index chain, PlanTopology& topology,
     const bool outward = (a == low) != (topology.turn[f] == Turn::right);
     spokes.push_back({a == low ? b : a, outward ? h : ~h});
   }
+}
+
+/// Pairs the half-edges that hang at a range of vertices.
+PlanEdges pair_range(const Tin& tin, const Array<Index>& first, const Chains::Range& range, PlanTopology& topology) {
   const auto before = [](const Spoke& a, const Spoke& b) {
     return a.other != b.other ? a.other < b.other : a.half_edge() < b.half_edge();
   };
-  std::sort(spokes.begin(), spokes.end(), before);
+  PlanEdges crowded;
+  std::vector<Spoke> spokes;
+  for (Index v = range.low; v < range.high; ++v) {
+    if (first[v] == none) continue;
+    take_spokes(tin, v, first[v], topology, spokes);
+    if (pair_few(spokes, topology)) continue;
+    std::sort(spokes.begin(), spokes.end(), before);
+    for (Spoke *spoke = spokes.data(), *last = spoke + spokes.size(); spoke != last;) {
+      Spoke* end = spoke + 1;
+      while (end != last && end->other == spoke->other) ++end;
+      pair_up(spoke, end, v, topology, crowded);
+      spoke = end;
+    }
+  }
+  return crowded;
+}
+
+/// The half-edges without a mate among those of a range of faces.
+std::vector<Index> border_of(std::size_t begin, std::size_t end, PlanTopology& topology) {
+  std::vector<Index> border;
+  for (auto f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f)
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      if (!topology.in_plan(f)) topology.mate[h] = no_half_edge;
+      if (topology.mate[h] == no_mate) border.push_back(h);
+    }
+  return border;
 }
 
 /// The same as places() below, where it needs no sorting: vertices stand along the Hilbert curve, so that equal places
 /// are neighbours. Empty when they do not, or some are not finite.
-Array<Index> places_along_curve(const std::vector<Point>& vertices) {
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
-  for (const Point& p : vertices) {
-    if (!finite(p)) return {};
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-  }
-  const HilbertCurve curve(box);
-  const auto n = static_cast<Index>(vertices.size());
+Array<Index> places_along_curve(const std::vector<Point>& vertices, const Context& context) {
+  const std::size_t n = vertices.size(), chunk = chunk_for(context, n);
+  const HilbertCurve curve(bounds(vertices, context));
+  std::atomic<bool> along = true;
   Array<Index> place(n);
-  std::uint64_t last = 0;
-  for (Index v = 0; v < n; ++v) {
-    const Point& p = vertices[v];
-    const std::uint64_t key = curve.key(p.x, p.y);
-    place[v] = v;
-    if (v > 0 && key <= last) {
-      const Point& q = vertices[v - 1];
-      if (key < last || q.x > p.x || (q.x == p.x && q.y > p.y)) return {};
-      if (plan(q) == plan(p)) place[v] = place[v - 1];
+  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t first = begin;  // at the place of the vertex before
+    while (first > 0 && plan(vertices[first - 1]) == plan(vertices[begin])) --first;
+    std::uint64_t last = begin > 0 ? curve.key(vertices[begin - 1].x, vertices[begin - 1].y) : 0;
+    for (std::size_t v = begin; v < end; ++v) {
+      const Point& p = vertices[v];
+      if (!finite(p)) return along.store(false);
+      const std::uint64_t key = curve.key(p.x, p.y);
+      if (v > 0 && key <= last) {
+        const Point& q = vertices[v - 1];
+        if (key < last || q.x > p.x || (q.x == p.x && q.y > p.y)) return along.store(false);
+      }
+      if (v > begin && plan(vertices[v - 1]) != plan(p)) first = v;
+      place[v] = static_cast<Index>(first);
+      last = key;
     }
-    last = key;
-  }
+  });
+  if (!along) place.clear();
   return place;
 }
 
 }  // namespace
 
-Array<Index> places(const std::vector<Point>& vertices) {
-  Array<Index> place = places_along_curve(vertices);
+Array<Index> places(const std::vector<Point>& vertices, const Context& context) {
+  Array<Index> place = places_along_curve(vertices, context);
   if (!place.empty()) return place;
   const auto n = static_cast<Index>(vertices.size());
   place.resize(n);
@@ -181,25 +243,26 @@ Array<Index> places(const std::vector<Point>& vertices) {
   return place;
 }
 
-PlanTopology plan_topology(const Tin& tin) { return plan_topology(tin, places(tin.vertices)); }
+PlanTopology plan_topology(const Tin& tin, const Context& context) {
+  return plan_topology(tin, places(tin.vertices, context), context);
+}
 
-PlanTopology plan_topology(const Tin& tin, Array<Index> places) {
+PlanTopology plan_topology(const Tin& tin, Array<Index> places, const Context& context) {
   PlanTopology topology;
   topology.place = std::move(places);
-  const Array<Index> first = hang_half_edges(tin, topology);
-  std::vector<Spoke> spokes;
-  for (Index v = 0; v < static_cast<Index>(first.size()); ++v) {
-    if (first[v] == none) continue;
-    take_spokes(tin, v, first[v], topology, spokes);
-    for (Spoke *spoke = spokes.data(), *last = spoke + spokes.size(); spoke != last;) {
-      Spoke* end = spoke + 1;
-      while (end != last && end->other == spoke->other) ++end;
-      pair_up(spoke, end, v, topology);
-      spoke = end;
-    }
-  }
-  for (Index h = 0; h < static_cast<Index>(topology.mate.size()); ++h)
-    if (topology.mate[h] == no_mate) topology.border.push_back(h);
+  Chains hung = hang_half_edges(tin, topology, context);
+  topology.mate = std::move(hung.next);  // a chain's links until its mates are known
+  std::vector<PlanEdges> crowded(hung.ranges.size());
+  hung.for_ranges(context, [&](const Chains::Range& range) {
+    crowded[&range - hung.ranges.data()] = pair_range(tin, hung.first, range, topology);
+  });
+  topology.crowded = joined(crowded);
+  const std::size_t n = tin.faces.size(), chunk = chunk_for(context, n);
+  std::vector<std::vector<Index>> border(n / chunk + 1);
+  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
+    border[begin / chunk] = border_of(begin, end, topology);
+  });
+  topology.border = joined(border);
   return topology;
 }
 

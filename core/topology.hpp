@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/array.hpp"
+#include "core/context.hpp"
 #include "core/tin.hpp"
 
 // How the faces of any TIN, good or bad, lie beside each other in plan: what validation and the certificate are made
@@ -52,12 +53,12 @@ struct PlanTopology {
 
 /// The lowest vertex at the place of each vertex. Vertices that are not finite are places of their own. O(n) for a
 /// TIN in canonical order, else O(n log n).
-Array<Index> places(const std::vector<Point>& vertices);
+Array<Index> places(const std::vector<Point>& vertices, const Context& context = {});
 
 /// Never throws but for memory; no precondition. O(n log d) for vertices of up to d edges; in canonical order, where
 /// all that meets lies near in memory, about 50 ns per face.
-PlanTopology plan_topology(const Tin& tin);
-PlanTopology plan_topology(const Tin& tin, Array<Index> places);
+PlanTopology plan_topology(const Tin& tin, const Context& context = {});
+PlanTopology plan_topology(const Tin& tin, Array<Index> places, const Context& context = {});
 
 /// What the border says about the faces inside it. With every face positive, the number of faces over a place is the
 /// winding number of the border around it, so faces overlap exactly where that is neither 0 nor 1.

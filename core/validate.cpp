@@ -35,7 +35,8 @@ bool overlap(const std::array<Point2, 3>& a, const std::array<Point2, 3>& b) {
 /// Vertices keep the numbers they came with; faces remember theirs.
 class Audit {
  public:
-  Audit(Tin tin, std::size_t limit) : tin_(std::move(tin)), limit_(limit) {
+  Audit(Tin tin, std::size_t limit, const Context& context)
+      : tin_(std::move(tin)), limit_(limit), context_(context) {
     original_.resize(tin_.faces.size());
     std::iota(original_.begin(), original_.end(), 0);
   }
@@ -68,6 +69,7 @@ class Audit {
 
   Tin tin_;
   std::size_t limit_;
+  const Context& context_;
   std::vector<Index> original_;  // per face: its number in the input
   Array<Index> places_;
   std::vector<bool> used_;
@@ -146,11 +148,10 @@ void Audit::drop_duplicate_faces() {
   for (const auto& edge : topology_.crowded) crowded[edge[0]] = crowded[edge[1]] = true;
   std::vector<std::pair<Face, Index>> candidates;
   for (Index f = 0; f < static_cast<Index>(tin_.faces.size()); ++f) {
+    if (topology_.in_plan(f) ? crowded.empty() : topology_.turn[f] != Turn::wall) continue;
     Face sorted = tin_.faces[f];
     std::sort(sorted.begin(), sorted.end());
-    const bool suspect = topology_.in_plan(f) ? !crowded.empty() && crowded[topology_.place[sorted[0]]]
-                                              : topology_.turn[f] == Turn::wall;
-    if (suspect) candidates.emplace_back(sorted, f);
+    if (topology_.turn[f] == Turn::wall || crowded[topology_.place[sorted[0]]]) candidates.emplace_back(sorted, f);
   }
   std::sort(candidates.begin(), candidates.end());
   std::vector<std::pair<Index, Index>> doubles;
@@ -174,7 +175,7 @@ void Audit::drop_duplicate_faces() {
   }
   tin_.faces.resize(kept);
   original_.resize(kept);
-  topology_ = plan_topology(tin_, std::move(places_));
+  topology_ = plan_topology(tin_, std::move(places_), context_);
 }
 
 void Audit::find_crowded_edges() {
@@ -228,23 +229,25 @@ void Audit::split_touched(const BorderReport& border) {
     note(mended_, mending_.t_junctions++, "t-junction", name_of("vertex", touch.place),
          "lies in the middle of an edge of face " + std::to_string(original_[touch.half_edge / 3]));
   split_at_touches(tin_, topology_, border.touches, original_);
-  topology_ = plan_topology(tin_);
+  topology_ = plan_topology(tin_, context_);
 }
 
 /// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one to
 /// the other.
 void Audit::find_two_heights() {
-  std::vector<bool> tall(tin_.vertices.size(), false);
-  bool any = false;
-  std::vector<Index> root(tin_.vertices.size(), none);  // of used vertices
+  const auto n = static_cast<Index>(tin_.vertices.size());
+  Index alone = 0;
+  while (alone < n && topology_.place[alone] == alone) ++alone;
+  if (alone == n) return;
+  std::vector<bool> tall(n, false);
+  std::vector<Index> root(n, none);  // of used vertices
   for (std::size_t f = 0; f < tin_.faces.size(); ++f)
     if (topology_.turn[f] != Turn::flat)
       for (const Index v : tin_.faces[f]) {
         root[v] = v;
         const Index place = topology_.place[v];
-        if (place != v) any = tall[place] = true;
+        if (place != v) tall[place] = true;
       }
-  if (!any) return;
   const auto find = [&](Index v) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
@@ -278,9 +281,9 @@ void Audit::run() {
   check_values();
   if (!fatal_.empty()) return;
   find_unused();
-  places_ = places(tin_.vertices);
+  places_ = places(tin_.vertices, context_);
   weld();
-  topology_ = plan_topology(tin_, places_);
+  topology_ = plan_topology(tin_, places_, context_);
   look_at_faces();
   drop_duplicate_faces();
   find_crowded_edges();
@@ -346,19 +349,19 @@ void warn_of_mends(const std::string& name, const Audit& audit, Context& context
 
 }  // namespace
 
-std::vector<Defect> find_defects(const Tin& tin, std::size_t limit) {
-  Audit audit(tin, std::max<std::size_t>(limit, 1));
+std::vector<Defect> find_defects(const Tin& tin, std::size_t limit, const Context& context) {
+  Audit audit(tin, std::max<std::size_t>(limit, 1), context);
   audit.run();
   return audit.all();
 }
 
 Tin checked(Tin tin, const std::string& name, Context& context, Mending* mending) {
-  Audit audit(std::move(tin), 20);
+  Audit audit(std::move(tin), 20, context);
   audit.run();
   if (!audit.fatal().empty()) refuse(name, audit.fatal());
   warn_of_mends(name, audit, context);
   if (mending) *mending = audit.mending();
-  return canonical(audit.take());
+  return canonical(audit.take(), context);
 }
 
 }  // namespace terrane

@@ -25,7 +25,7 @@ struct Defect {
 /// Every defect of the TIN, at most `limit` per code, in order of the elements; never throws. An empty list means: valid.
 /// Exact: overlap is judged by the winding number of the border, adjacency and exact orientation, not by sampling.
 /// O(n log n).
-std::vector<Defect> find_defects(const Tin& tin, std::size_t limit = 20);
+std::vector<Defect> find_defects(const Tin& tin, std::size_t limit = 20, const Context& context = {});
 
 /// How many of each harmless defect were mended.
 struct Mending {
@@ -48,10 +48,9 @@ struct Inspection {
   std::size_t non_manifold_edges = 0;              // plan edges with more than two faces, or two on one side
   std::size_t overlaps = 0;                        // 0 when the border winds around every place at most once
   std::size_t components = 0, holes = 0;           // of the domain in plan, joined over shared edges; holes of all components
-  double area_2d = 0, area_3d = 0;                 // of the faces that are no walls, compensated sums
   double zmin = 0, zmax = 0;
   Box box{};
 };
-Inspection inspect(const Tin& tin);
+Inspection inspect(const Tin& tin, const Context& context = {});
 
 }  // namespace terrane

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/area_weights.hpp"
+#include "core/parallel.hpp"
 #include "core/sum.hpp"
 #include "core/volume_sum.hpp"
 
@@ -35,6 +36,10 @@ std::array<double, 3> heights(const Tin& tin, const Face& f) {
   return {tin.vertices[f[0]].z, tin.vertices[f[1]].z, tin.vertices[f[2]].z};
 }
 
+double area_of(const std::array<Point2, 3>& p) {
+  return 0.5 * ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
+}
+
 /// The integral of value(face, corner weights) over the faces that are no walls.
 template <class Value>
 double sum_over_faces(const Tin& tin, const AreaScale& scale, Value value) {
@@ -43,8 +48,7 @@ double sum_over_faces(const Tin& tin, const AreaScale& scale, Value value) {
   for (const Face& face : tin.faces) {
     if (is_wall(tin, face)) continue;
     const auto p = corners(tin, face);
-    const double area = 0.5 * ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x));
-    sum.add(value(face, weights(p, area)));
+    sum.add(value(face, weights(p, area_of(p))));
   }
   return sum.value();
 }
@@ -90,7 +94,21 @@ double integral(const Tin& tin, const AreaScale& scale) {
 }
 
 double area(const Tin& tin, const AreaScale& scale) {
-  return sum_over_faces(tin, scale, [](const Face&, const std::array<double, 3>& w) { return w[0] + w[1] + w[2]; });
+  return sum_over_faces(tin, scale, [](const Face&, const auto& w) { return w[0] + w[1] + w[2]; });
+}
+
+double plan_area(const Tin& tin, const Context& context) {
+  std::vector<Sum> sums(tin.faces.size() / faces_per_report + 1);
+  parallel_for(context, tin.faces.size(), faces_per_report, [&](std::size_t begin, std::size_t end) {
+    Sum sum;
+    for (std::size_t f = begin; f < end; ++f) {
+      const double third = area_of(corners(tin, tin.faces[f])) / 3;
+      sum.add(third + third + third);  // as area() does
+    }
+    sums[begin / faces_per_report] = sum;
+  });
+  for (std::size_t i = 1; i < sums.size(); ++i) sums[0].add(sums[i]);
+  return sums[0].value();
 }
 
 }  // namespace terrane

@@ -36,5 +36,7 @@ double integral(const Tin& tin, const AreaScale& scale);
 
 /// Area of the domain in plan, weighted by `scale`.
 double area(const Tin& tin, const AreaScale& scale);
+/// The same without a scale.
+double plan_area(const Tin& tin, const Context& context = {});
 
 }  // namespace terrane

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "core/parallel.hpp"
 #include "core/volume.hpp"
 #include "ops/heights.hpp"
@@ -88,7 +89,7 @@ HeightCheck check_heights(const Tin& result, const HeightFields& fields, const H
                           const RoundingReport& rounding, Context& context) {
   if (!fold || result.vertices.empty()) return {};
   context.progress("verify", 0);
-  const Box box = bounds(result);
+  const Box box = bounds(result.vertices, context);
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double radius = 2 * (rounding.max_move + rounding.max_snap) + 4 * 2.3e-16 * largest;
   const std::size_t step = std::max<std::size_t>(1, result.vertices.size() / 5000), chunk = 512 * step;
@@ -145,11 +146,11 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                            const Context& context) {
   const Tin& tin = std::get<Tin>(outcome.result);
   const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
-  const double plan_area = area(tin, nullptr);
+  const double in_plan = plan_area(tin, context);
   nlohmann::json balance;
   if (outcome.expected_area) {
     // In squared CRS units, degrees included: this is about the mesh, not about the ground.
-    const double actual = plan_area;
+    const double actual = in_plan;
     balance = {{"expected", *outcome.expected_area}, {"actual", actual}, {"residual", actual - *outcome.expected_area}};
   }
   nlohmann::json made = {{"type", "Certificate"},
@@ -157,7 +158,7 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                          {"operation", plan.operation->id},
                          {"parameters", deciding(plan.parameters)},
                          {"inputs", inputs_json(frame)},
-                         {"output", output_json(seen, frame.crs, domain_area(tin, frame.crs, plan_area))},
+                         {"output", output_json(seen, frame.crs, domain_area(tin, frame.crs, in_plan))},
                          {"topology",
                           {{"inverted", seen.inverted},
                            {"degenerate", seen.degenerate},

@@ -184,7 +184,7 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
     HeightCheck heights = check();
     warn_of_heights(heights, *tin, context);
     if (put_on_grid(outcome, plan, frame.crs, context)) heights = check();  // by as much as vertices moved on slopes
-    const Inspection seen = inspect(*tin);
+    const Inspection seen = inspect(*tin, context);
     if (outcome.verify) refuse_unsound(seen, plan.operation->id);
     name_joined(frame, outcome);
     response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);

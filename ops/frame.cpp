@@ -207,7 +207,7 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
       if (record.joined.empty() && record.name == s.name && record.slot == s.slot && record.sha256 == s.sha256) {
         record.vertices = s.tin().vertices.size();
         record.faces = s.tin().faces.size();
-        record.area_2d = domain_area(s.tin(), frame.crs);
+        record.area_2d = domain_area(s.tin(), frame.crs, context);
       }
   }
   if (operation.intake.check) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
@@ -25,6 +26,10 @@ int cells_along(double extent, double side) {
   return !std::isfinite(count) || count < 1 ? 1 : static_cast<int>(std::min(count, 4096.0));
 }
 
+std::array<Point2, 3> corners_in_plan(const Tin& tin, const Face& face) {
+  return {plan(tin.vertices[face[0]]), plan(tin.vertices[face[1]]), plan(tin.vertices[face[2]])};
+}
+
 /// The x-range of a triangle within a horizontal strip: long slivers must not fill the cells of their whole box.
 std::pair<double, double> strip_range(const std::array<Point2, 3>& t, double ylow, double yhigh) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -39,6 +44,13 @@ std::pair<double, double> strip_range(const std::array<Point2, 3>& t, double ylo
 }
 
 }  // namespace
+
+Box HeightField::box_of(Index face) const {
+  const auto [a, b, c] = corners_in_plan(tin_, tin_.faces[face]);
+  const auto [xmin, xmax] = std::minmax({a.x, b.x, c.x});
+  const auto [ymin, ymax] = std::minmax({a.y, b.y, c.y});
+  return {xmin, ymin, xmax, ymax};
+}
 
 HeightField::HeightField(const Tin& tin, int faces_per_cell)
     : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
@@ -55,36 +67,30 @@ HeightField::HeightField(const Tin& tin, int faces_per_cell)
   cell_x_ = width > 0 ? width / columns_ : 1;
   cell_y_ = height > 0 ? height / rows_ : 1;
 
-  const auto for_cells = [&](auto visit) {
-    for (std::size_t f = 0; f < tin.faces.size(); ++f) {
-      if (is_wall(tin, tin.faces[f])) continue;
-      std::array<Point2, 3> t;
-      for (int k = 0; k < 3; ++k) t[k] = plan(tin.vertices[tin.faces[f][k]]);
-      const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
-      const int bottom = cell_of(low, box_.ymin, cell_y_, rows_), top = cell_of(high, box_.ymin, cell_y_, rows_);
-      if (bottom == top) {  // most faces where they are many: no strip cuts them
-        const auto [xlow, xhigh] = std::minmax({t[0].x, t[1].x, t[2].x});
-        const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
-        for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_); c <= last; ++c)
-          visit(static_cast<std::size_t>(bottom) * columns_ + c, static_cast<Index>(f));
-        continue;
-      }
-      for (int r = bottom; r <= top; ++r) {
-        const double margin = 1e-9 * cell_y_, base = box_.ymin + r * cell_y_;
-        const auto [xlow, xhigh] = strip_range(t, base - margin, base + cell_y_ + margin);
-        if (!(xlow <= xhigh)) continue;
-        const int first = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
-        const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
-        for (int c = first; c <= last; ++c) visit(static_cast<std::size_t>(r) * columns_ + c, static_cast<Index>(f));
-      }
+  first_.assign(static_cast<std::size_t>(rows_) * columns_, none);
+  listed_.reserve(tin.faces.size() + tin.faces.size() / 2);
+  for (auto f = static_cast<Index>(tin.faces.size()); f-- > 0;)
+    if (!is_wall(tin, tin.faces[f])) list(f);
+}
+
+/// Puts a face before the others in the lists of the cells it lies in.
+void HeightField::list(Index face) {
+  const auto in_row = [&](int row, double xlow, double xhigh) {
+    const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
+    for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_); c <= last; ++c) {
+      Index& first = first_[static_cast<std::size_t>(row) * columns_ + c];
+      listed_.push_back({face, std::exchange(first, static_cast<Index>(listed_.size()))});
     }
   };
-  start_.assign(static_cast<std::size_t>(rows_) * columns_ + 1, 0);
-  for_cells([&](std::size_t cell, Index) { ++start_[cell + 1]; });
-  for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-  faces_.resize(start_.back());
-  std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
-  for_cells([&](std::size_t cell, Index face) { faces_[next[cell]++] = face; });
+  const Box box = box_of(face);
+  const int bottom = cell_of(box.ymin, box_.ymin, cell_y_, rows_), top = cell_of(box.ymax, box_.ymin, cell_y_, rows_);
+  if (bottom == top) return in_row(bottom, box.xmin, box.xmax);  // most faces where they are many: no strip cuts them
+  const std::array<Point2, 3> t = corners_in_plan(tin_, tin_.faces[face]);
+  for (int r = bottom; r <= top; ++r) {
+    const double margin = 1e-9 * cell_y_, base = box_.ymin + r * cell_y_;
+    const auto [xlow, xhigh] = strip_range(t, base - margin, base + cell_y_ + margin);
+    if (xlow <= xhigh) in_row(r, xlow, xhigh);
+  }
 }
 
 template <class Visit>
@@ -93,8 +99,8 @@ void HeightField::visit_cells(Box box, Visit visit) const {
   for (int r = cell_of(box.ymin, box_.ymin, cell_y_, rows_); r <= cell_of(box.ymax, box_.ymin, cell_y_, rows_); ++r)
     for (int c = cell_of(box.xmin, box_.xmin, cell_x_, columns_); c <= cell_of(box.xmax, box_.xmin, cell_x_, columns_);
          ++c) {
-      const std::size_t cell = static_cast<std::size_t>(r) * columns_ + c;
-      for (std::size_t i = start_[cell]; i < start_[cell + 1]; ++i) visit(faces_[i]);
+      for (Index i = first_[static_cast<std::size_t>(r) * columns_ + c]; i != none; i = listed_[i].next)
+        visit(listed_[i].face);
     }
 }
 
@@ -128,7 +134,11 @@ HeightField::Hit HeightField::hit(Index face, Point2 place, double radius) const
 
 HeightField::Reading HeightField::at(Point2 place, double radius) const {
   Reading reading;
+  // A cell has many faces, and most are so far away that no rounding brings them within the radius.
+  const double reach = 4 * radius + 1e-9 * (cell_x_ + cell_y_);
+  const Box near = {place.x - reach, place.y - reach, place.x + reach, place.y + reach};
   visit_cells({place.x - radius, place.y - radius, place.x + radius, place.y + radius}, [&](Index face) {
+    if (apart(box_of(face), near)) return;
     const Hit h = hit(face, place, radius);
     if (h.distance2 > radius * radius) return;
     reading.border = reading.border || h.border;
@@ -155,7 +165,7 @@ std::optional<double> HeightField::nearest(Point2 place) const {
 
 HeightFields height_fields(const std::vector<const Tin*>& tins, Context& context) {
   HeightFields fields(tins.size());
-  parallel_tasks(context, tins.size(), [&](std::size_t i) { fields[i] = std::make_shared<HeightField>(*tins[i], 16); });
+  parallel_tasks(context, tins.size(), [&](std::size_t i) { fields[i] = std::make_shared<HeightField>(*tins[i], 64); });
   return fields;
 }
 

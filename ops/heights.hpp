@@ -12,6 +12,11 @@
 // Heights of a TIN at places, found without the overlay: the independent way by which results are checked.
 namespace terrane {
 
+/// Have they no place in common?
+inline bool apart(const Box& a, const Box& b) {
+  return a.xmax < b.xmin || b.xmax < a.xmin || a.ymax < b.ymin || b.ymax < a.ymin;
+}
+
 class HeightField {
  public:
   /// Keeps a reference to the TIN. O(n log n). The more faces a cell has the less is built, and the longer a question
@@ -42,6 +47,8 @@ class HeightField {
     double distance2, z;
     bool border;
   };
+  Box box_of(Index face) const;
+  void list(Index face);
   Hit hit(Index face, Point2 place, double radius) const;
   template <class Visit>
   void visit_cells(Box box, Visit visit) const;
@@ -52,8 +59,11 @@ class HeightField {
   Box box_{};
   int columns_ = 1, rows_ = 1;
   double cell_x_ = 1, cell_y_ = 1;
-  std::vector<std::size_t> start_;  // per cell
-  std::vector<Index> faces_;
+  struct Listed {
+    Index face, next;
+  };
+  std::vector<Index> first_;  // per cell: where its list of faces begins in listed_, or none
+  std::vector<Listed> listed_;
 };
 
 /// Fields for a few thousand questions each, made side by side.

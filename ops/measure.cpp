@@ -39,10 +39,10 @@ Units units_of(const Crs& crs) {
   return {length, height, "m2", "m3", metre * metre, crs.metres_per_height_unit()};
 }
 
-double domain_area(const Tin& tin, const Crs& crs) {
+double domain_area(const Tin& tin, const Crs& crs, const Context& context) {
   if (impossible(tin, crs)) return std::numeric_limits<double>::quiet_NaN();
   const bool geographic = crs.known() && crs.geographic();
-  return domain_area(tin, crs, geographic ? 0 : area(tin, nullptr));
+  return domain_area(tin, crs, geographic ? 0 : plan_area(tin, context));
 }
 
 double domain_area(const Tin& tin, const Crs& crs, double plan_area) {

@@ -20,7 +20,7 @@ struct Units {
 Units units_of(const Crs& crs);
 
 /// The area of the domain in `units_of(crs).area`.
-double domain_area(const Tin& tin, const Crs& crs);
+double domain_area(const Tin& tin, const Crs& crs, const Context& context);
 /// The same where its area in squared plan units is known.
 double domain_area(const Tin& tin, const Crs& crs, double plan_area);
 

@@ -48,7 +48,7 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   Assembled sum = combine(a.tin(), b.tin(), +1, p.outside, {p.seam, 0}, context);
   if (sum.tin.faces.empty()) refuse_no_overlap(a, b, "outside=keep");
 
-  const double apart = area(a.tin(), nullptr) + area(b.tin(), nullptr);
+  const double apart = plan_area(a.tin(), context) + plan_area(b.tin(), context);
   outcome.fields = height_fields({&a.tin(), &b.tin()}, context);
   if (const auto united = union_area(outcome.fields, context))
     outcome.expected_area = p.outside == Outside::drop ? apart - *united : *united;

@@ -20,10 +20,10 @@ nlohmann::json crs_json(const Crs& crs) {
           {"vertical_datum", crs.vertical_datum()}};
 }
 
-Outcome run(std::vector<Surface>& inputs, const InfoParameters&, Context&) {
+Outcome run(std::vector<Surface>& inputs, const InfoParameters&, Context& context) {
   const Surface& surface = input(inputs, "surface");
   const Tin& tin = surface.tin();
-  const Inspection seen = inspect(tin);
+  const Inspection seen = inspect(tin, context);
   const Units units = units_of(surface.crs);
   nlohmann::json report = {{"type", "SurfaceInfo"},
                            {"name", surface.name},
@@ -51,7 +51,7 @@ Outcome run(std::vector<Surface>& inputs, const InfoParameters&, Context&) {
   }
   const Outline border = outline(tin, surface.crs);
   report["border"] = {{"edges", border.edges}, {"loops", border.loops}, {"length", border.length}};
-  report["area_2d"] = domain_area(tin, surface.crs);
+  report["area_2d"] = domain_area(tin, surface.crs, context);
   report["area_3d"] = surface_area(tin, surface.crs);
   Outcome outcome;
   outcome.result = std::move(report);

@@ -59,7 +59,7 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
     return outcome;
   }
   warn_feet_beside_metres(minuend, subtrahend, context);
-  const double area_a = area(minuend.tin(), nullptr), area_b = area(subtrahend.tin(), nullptr);
+  const double area_a = plan_area(minuend.tin(), context), area_b = plan_area(subtrahend.tin(), context);
   // The overlap by the borders alone is what the difference's area is held against.
   outcome.fields = height_fields({&minuend.tin(), &subtrahend.tin()}, context);
   const auto united = union_area(outcome.fields, context);

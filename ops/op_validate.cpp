@@ -19,9 +19,9 @@ struct ValidateParameters {
   }
 };
 
-nlohmann::json defect_list(const Tin& tin) {
+nlohmann::json defect_list(const Tin& tin, const Context& context) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Defect& d : find_defects(tin))
+  for (const Defect& d : find_defects(tin, 20, context))
     list.push_back({{"code", d.code}, {"element", d.element}, {"message", d.message}});
   return list;
 }
@@ -39,8 +39,8 @@ Outcome run(std::vector<Surface>& inputs, const ValidateParameters& p, Context& 
   Tin tin = std::move(std::get<Tin>(surface.value));
   Outcome outcome;
   if (!p.repair) {
-    const auto defects = defect_list(tin);
-    const Inspection seen = inspect(tin);
+    const auto defects = defect_list(tin, context);
+    const Inspection seen = inspect(tin, context);
     outcome.result = nlohmann::json{
         {"type", "ValidationReport"}, {"name", surface.name}, {"valid", defects.empty()},       {"defects", defects},
         {"vertices", seen.vertices},  {"faces", seen.faces},  {"topology", topology_json(seen)}};

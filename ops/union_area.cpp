@@ -37,10 +37,6 @@ struct Tile {
   std::shared_ptr<const HeightField> field;
 };
 
-bool apart(const Box& a, const Box& b) {
-  return a.xmax < b.xmin || b.xmax < a.xmin || a.ymax < b.ymin || b.ymax < a.ymin;
-}
-
 Tile tile_of(std::shared_ptr<const HeightField> field) {
   Tile tile{field->box(), {}, field};
   for (const auto& [p, q] : field->border()) tile.edges.push_back({p, q});
@@ -67,7 +63,7 @@ void cut(Edge& e, const Edge& other, std::size_t tile) {
 /// Every pair of edges of two tiles whose boxes meet, by a sweep upwards.
 void cut_each_other(Tile& a, Tile& b, std::size_t index_a, std::size_t index_b) {
   struct Entry {
-    double ymin, ymax;
+    Box box;
     Edge* edge;
     bool of_a;
   };
@@ -76,17 +72,19 @@ void cut_each_other(Tile& a, Tile& b, std::size_t index_a, std::size_t index_b) 
     for (Edge& e : tile.edges) {
       const auto [xlow, xhigh] = std::minmax(e.p.x, e.q.x);
       const auto [ylow, yhigh] = std::minmax(e.p.y, e.q.y);
-      if (!apart({xlow, ylow, xhigh, yhigh}, box)) entries.push_back({ylow, yhigh, &e, of_a});
+      const Box own = {xlow, ylow, xhigh, yhigh};
+      if (!apart(own, box)) entries.push_back({own, &e, of_a});
     }
   };
   add(a, b.box, true);
   add(b, a.box, false);
-  std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return l.ymin < r.ymin; });
+  std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return l.box.ymin < r.box.ymin; });
   std::vector<const Entry*> active[2];
   for (const Entry& entry : entries) {
     auto& others = active[entry.of_a ? 1 : 0];
-    std::erase_if(others, [&](const Entry* o) { return o->ymax < entry.ymin; });
+    std::erase_if(others, [&](const Entry* o) { return o->box.ymax < entry.box.ymin; });
     for (const Entry* o : others) {
+      if (apart(o->box, entry.box)) continue;
       cut(*entry.edge, *o->edge, entry.of_a ? index_b : index_a);
       cut(*o->edge, *entry.edge, entry.of_a ? index_a : index_b);
     }

@@ -7,6 +7,7 @@
 #include "core/arithmetic.hpp"
 #include "core/merge.hpp"
 #include "core/validate.hpp"
+#include "core/volume.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"
 
@@ -77,8 +78,8 @@ TEST(Algebra, SumsAreRightEverywhere) {
 
 TEST(Algebra, AreaIsThatOfTheUnion) {
   for (const auto& [a, b] : pairs()) {
-    const double whole = inspect(sum(a, b)).area_2d, common = inspect(difference(a, b)).area_2d;
-    EXPECT_NEAR(whole + common, inspect(a).area_2d + inspect(b).area_2d, 1e-11 * whole);
+    const double whole = plan_area(sum(a, b)), common = plan_area(difference(a, b));
+    EXPECT_NEAR(whole + common, plan_area(a) + plan_area(b), 1e-11 * whole);
   }
 }
 
@@ -175,9 +176,9 @@ TEST(MergeLaws, AMergeOfTheCutsIsTheOriginal) {
 
 TEST(MergeLaws, AreaBalances) {
   const std::vector<Tin> tiles = windows();
-  const double expected = inspect(merged(tiles, Overlap::first).surface.tin).area_2d;
+  const double expected = plan_area(merged(tiles, Overlap::first).surface.tin);
   for (const Overlap policy : {Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum})
-    EXPECT_NEAR(inspect(merged(tiles, policy).surface.tin).area_2d, expected, 1e-11 * expected);
+    EXPECT_NEAR(plan_area(merged(tiles, policy).surface.tin), expected, 1e-11 * expected);
 }
 
 TEST(MergeLaws, EveryJumpIsSomebodys) {

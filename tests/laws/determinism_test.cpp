@@ -51,6 +51,10 @@ class Bytes {
   }
   Bytes& operator<<(const Tin& tin) { return *this << tin.vertices << tin.faces; }
   Bytes& operator<<(const Assembled& a) { return *this << a.tin << a.rounding << a.wall_area << a.max_closed_jump; }
+  Bytes& operator<<(const Inspection& i) {
+    return *this << i.vertices << i.faces << i.walls << i.inverted << i.degenerate << i.t_junctions
+                 << i.non_manifold_edges << i.overlaps << i.components << i.holes << i.zmin << i.zmax;
+  }
   Bytes& operator<<(const VolumeSide& s) { return *this << s.volume << s.area_2d << s.area_3d << s.max_dz; }
   Bytes& operator<<(const Volume& v) {
     return *this << v.fill << v.cut << v.same_area_2d << v.same_area_3d << v.net << v.overlap_area_2d
@@ -131,10 +135,12 @@ TEST_P(SameBytesWhenLarge, ForAnyThreadsAndAnyOrder) {
     Context context;
     context.threads = std::array{1, 2, 3, 4, 4}[run];
     const bool shuffle = run == 4;
-    const Tin a = checked(shuffle ? support::shuffled(pair.a, 1) : pair.a, "a", context);
+    const Tin given = shuffle ? support::shuffled(pair.a, 1) : pair.a, a = checked(given, "a", context);
     const Tin b = checked(shuffle ? support::shuffled(pair.b, 2) : pair.b, "b", context);
     Bytes bytes;
-    bytes << overlay(a, b, {}, context);
+    bytes << overlay(a, b, {}, context) << inspect(given, context);
+    const Tin difference = combine(a, b, -1, Outside::drop, {}, context).tin;
+    bytes << difference << inspect(difference, context) << plan_area(difference, context);
     if (run == 0)
       expected = bytes;
     else

@@ -14,6 +14,7 @@
 #include "core/error.hpp"
 #include "core/overlay.hpp"
 #include "core/validate.hpp"
+#include "core/volume.hpp"
 #include "support/oracle.hpp"
 #include "support/overlay_judge.hpp"
 #include "support/polygons.hpp"
@@ -71,8 +72,8 @@ void judge(const std::string& name, Polygons first, Polygons second, Tally& tall
     const Box box = bounds(tin);
     return 1e-15 * (box.xmax - box.xmin) * (box.ymax - box.ymin) * static_cast<double>(tin.faces.size());
   };
-  EXPECT_NEAR(inspect(*a).area_2d, first.area(), by_doubles(*a));
-  EXPECT_NEAR(inspect(*b).area_2d, second.area(), by_doubles(*b));
+  EXPECT_NEAR(plan_area(*a), first.area(), by_doubles(*a));
+  EXPECT_NEAR(plan_area(*b), second.area(), by_doubles(*b));
   try {
     const OverlayOptions options;
     const Overlay overlaid = overlay(*a, *b, options, context);

@@ -76,8 +76,6 @@ TEST(Inspect, WallsAreLookedThrough) {
   EXPECT_EQ(result.components, 1u);
   EXPECT_EQ(result.holes, 0u);
   EXPECT_EQ(result.degenerate + result.non_manifold_edges + result.t_junctions, 0u);
-  EXPECT_EQ(result.area_2d, 2.0);
-  EXPECT_EQ(result.area_3d, 2.0);
   EXPECT_EQ(result.zmax, 5.0);
 }
 

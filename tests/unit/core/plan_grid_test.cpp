@@ -10,6 +10,7 @@
 #include "core/arithmetic.hpp"
 #include "core/error.hpp"
 #include "core/validate.hpp"
+#include "core/volume.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"
 
@@ -47,8 +48,8 @@ void expect_on_grid(const Tin& tin, double step) {
   for (const Defect& d : find_defects(made.tin)) ADD_FAILURE() << d.element << ": " << d.message;
   EXPECT_LE(made.rounding.max_move, step * std::sqrt(0.5) * (1 + 1e-9));
   EXPECT_LE(made.rounding.max_spill, 3 * made.rounding.max_move);
-  const double lost = inspect(tin).area_2d - inspect(made.tin).area_2d;
-  EXPECT_NEAR(made.area_lost, lost, 1e-9 * inspect(tin).area_2d);
+  const double lost = plan_area(tin) - plan_area(made.tin);
+  EXPECT_NEAR(made.area_lost, lost, 1e-9 * plan_area(tin));
   EXPECT_EQ(put_on_grid(made.tin, grid, context).tin, made.tin) << "what is on the grid stays";
   EXPECT_EQ(put_on_grid(canonical(shuffled(tin, 3)), grid, context).tin, made.tin) << "whatever the order";
   const auto heights = [](const Tin& t) {

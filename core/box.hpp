@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/context.hpp"
+#include "core/tin.hpp"
+
+namespace terrane {
+
+/// No box: what others are joined to.
+inline constexpr Box no_box = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+
+/// The smallest box around two, or around a box and a place.
+inline Box around(const Box& a, const Box& b) {
+  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax), std::max(a.ymax, b.ymax)};
+}
+inline Box around(const Box& box, Point2 p) { return around(box, Box{p.x, p.y, p.x, p.y}); }
+
+/// bounds() on the context's threads.
+Box bounds(std::span<const Point> vertices, const Context& context);
+
+}  // namespace terrane
