@@ -254,6 +254,10 @@ class EdgeWalk {
       if (crossing_count_ > most_) throw too_many_crossings(most_);
       grow_crossings(2 * crossing_room_);
     }
+    if (left - right < tiny_area) {
+      right = area2_magnified(line.start, line.goal, b_.at(b_.origin(exit)));
+      left = area2_magnified(line.start, line.goal, b_.at(b_.target(exit)));
+    }
     const Index edge = b_.edge(exit), eb = edge >> 1, against = edge & 1;
     const double to_r = std::fabs(against ? left : right), to_s = std::fabs(against ? right : left);
     // The nearer end of B's edge is s as often as r: picked without a branch.

@@ -11,7 +11,8 @@ namespace terrane {
 
 double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   const double dx = b.x - a.x, dy = b.y - a.y;
-  const double t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+  const double squared = dx * dx + dy * dy;  // 0 of a segment too short for that
+  const double t = squared > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0;
   distance = std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
   return t;
 }
@@ -30,6 +31,10 @@ double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) 
       return height;
     }
     total += w[k];
+  }
+  if (total < tiny_area) {
+    total = 0;
+    for (int k = 0; k < 3; ++k) total += w[k] = area2_magnified(c[(k + 1) % 3], c[(k + 2) % 3], p);
   }
   // Relative to the heaviest corner: a level face stays level to the last bit.
   const int base = w[0] >= w[1] && w[0] >= w[2] ? 0 : w[1] >= w[2] ? 1 : 2;
