@@ -38,8 +38,9 @@ bool mend_heights(const Array<Face>& faces, const std::vector<Index>& changed,
 double height_error(const Point2 (&c)[3], const double (&z)[3], double max_move) {
   const double ux = c[1].x - c[0].x, uy = c[1].y - c[0].y, vx = c[2].x - c[0].x, vy = c[2].y - c[0].y;
   const double du = z[1] - z[0], dv = z[2] - z[0];
-  const double steepness = std::hypot(vy * du - uy * dv, ux * dv - vx * du) / area2_accurate(c[0], c[1], c[2]);
-  return 100 * steepness * max_move + 1e-12 * std::max({1.0, std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
+  const double rise = std::hypot(vy * du - uy * dv, ux * dv - vx * du) * (100 * max_move);
+  const double largest = std::max({1.0, std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
+  return rise / area2_accurate(c[0], c[1], c[2]) + 1e-12 * largest;
 }
 
 }  // namespace terrane
