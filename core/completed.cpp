@@ -183,7 +183,7 @@ namespace {
 Index walk_towards(const CompletedMesh& mesh, Point2 q, Index hint, bool& found) {
   const auto side = [q](Point2 o, Point2 t, bool& sure) {
     const double l = (t.x - o.x) * (q.y - o.y), r = (t.y - o.y) * (q.x - o.x), d = l - r;
-    sure = sure && std::fabs(d) > 3.3306690738754716e-16 * (std::fabs(l) + std::fabs(r));  // as in orientation()
+    sure = sure && std::fabs(d) > orientation_bound(l, r);
     return d;
   };
   found = false;

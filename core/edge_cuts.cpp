@@ -259,6 +259,13 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
   return cut;
 }
 
+bool is_on(const CutMesh& cut, const Face& face, Index v) {
+  const auto corner = [&](Index c) { return c == face[0] || c == face[1] || c == face[2]; };
+  if (v < cut.first_made) return corner(v);
+  const CutVertex& made = cut.made[v - cut.first_made];
+  return corner(made.p) && corner(made.q);
+}
+
 double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values,
                 Index v) {
   for (int k = 0; k < 3; ++k)

@@ -40,6 +40,9 @@ struct CutMesh {
 /// Rounded and verified. O(faces + cuts log cuts).
 CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chords, Context& context);
 
+/// Is v a corner of `face`, a face of before, or made on one of its edges?
+bool is_on(const CutMesh& cut, const Face& face, Index v);
+
 /// The value at vertex v of the cut mesh of a function given by its values at the corners of `face`, a face of before:
 /// interpolated along the edge for a vertex made on it, inside the face for a vertex that rounding brought there.
 double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values, Index v);

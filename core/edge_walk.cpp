@@ -275,7 +275,11 @@ class EdgeWalk {
     const LinkedFace& face = b_.links[gate.half >> 2];
     const Index g = face.twin[gate.half & 3], edge = face.edge[gate.half & 3], against = edge & 1;
     // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this half-edge.
-    const double to_right = -gate.side[0], to_left = gate.side[1];
+    double to_right = -gate.side[0], to_left = gate.side[1];
+    if (to_right + to_left < tiny_area) {
+      to_right = -area2_magnified(line.start, line.goal, gate.at[0]);
+      to_left = area2_magnified(line.start, line.goal, gate.at[1]);
+    }
     const Index near = (to_right > to_left) | ((to_right == to_left) & against);
     const double t = std::min(to_right, to_left) / (to_right + to_left), along_b[2] = {t, 1 - t};
     out_.along_b[crossing_count_++] = static_cast<float>(along_b[near ^ against]);

@@ -5,34 +5,42 @@
 #include <cmath>
 #include <map>
 
+#include "core/predicates.hpp"
+
 namespace terrane {
-namespace {
 
-bool same(double z, double other) { return std::fabs(z - other) <= std::max(1e-6, 1e-9 * std::fabs(z)); }
-
-}  // namespace
-
-bool mend_heights(const OverlayFaces& work, const Array<Point2>& points, const FaceHeights& heights, int m,
-                  const std::vector<Index>& relabelled, Array<double>& z) {
+bool mend_heights(const Array<Face>& faces, const std::vector<Index>& changed,
+                  const std::function<OwnHeights(Index face)>& own_heights, Array<double>& z) {
   std::map<Index, std::vector<double>> beyond;  // of a vertex: its heights beside z[v], each once
   std::vector<std::pair<std::size_t, double>> own;
-  for (Index f : relabelled)
-    for (int k = 0; k < 3 && work.parents[f][m] != none; ++k) {
-      const Index v = work.faces[f][k];
-      const double height = heights.at(work.parents[f][m], v, points[v]);
+  for (Index f : changed) {
+    const OwnHeights here = own_heights(f);
+    for (int k = 0; k < 3; ++k) {
+      const Index v = faces[f][k];
+      const double height = here.z[k];
+      const auto same = [&](double other) { return std::fabs(height - other) <= here.error; };
       if (std::isnan(z[v])) z[v] = height;
-      if (same(height, z[v])) continue;
+      if (same(z[v])) continue;
       std::vector<double>& there = beyond[v];
-      auto at = std::find_if(there.begin(), there.end(), [&](double other) { return same(height, other); });
+      auto at = std::find_if(there.begin(), there.end(), same);
       if (at == there.end()) at = there.insert(at, height);
       own.emplace_back(3 * static_cast<std::size_t>(f) + k, *at);
     }
+  }
   if (own.empty()) return false;
-  Array<double> corners(3 * work.faces.size());
-  for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = z[work.faces[c / 3][c % 3]];
+  Array<double> corners(3 * faces.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = z[faces[c / 3][c % 3]];
   for (const auto& [corner, height] : own) corners[corner] = height;
   z = std::move(corners);
   return true;
+}
+
+double height_error(const Point2 (&c)[3], const double (&z)[3], double max_move) {
+  const double ux = c[1].x - c[0].x, uy = c[1].y - c[0].y, vx = c[2].x - c[0].x, vy = c[2].y - c[0].y;
+  const double du = z[1] - z[0], dv = z[2] - z[0];
+  const double rise = std::hypot(vy * du - uy * dv, ux * dv - vx * du) * (100 * max_move);
+  const double largest = std::max({1.0, std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
+  return rise / area2_accurate(c[0], c[1], c[2]) + 1e-12 * largest;
 }
 
 }  // namespace terrane

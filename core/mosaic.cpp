@@ -179,7 +179,18 @@ void Mosaic::add_part(const Piece& piece, std::size_t first, std::size_t last, s
   parts_.push_back(std::move(part));
 }
 
-Piece Mosaic::take_near(const Box& box) {
+Box Mosaic::reach(const Box& box) const {
+  Box all = box;
+  for (const Part& part : parts_)
+    if (touches(part.box, box))
+      for (const Face& corners : part.piece.surface.faces)
+        if (const Box face = box_of(part.piece.surface, corners); touches(face, box)) all = joined(all, face);
+  return widened(all);
+}
+
+Piece Mosaic::take_near(const Box& tile) {
+  // An edge that the tile crosses is rounded there and so moves all along, past what lies beside it.
+  const Box box = reach(tile);
   Piece near;
   Places places(near.surface.points, 0);
   std::vector<Part> parts;

@@ -50,8 +50,9 @@ inline bool touches(const Box& a, const Box& b) {
 class Mosaic {
  public:
   void add(const Piece& piece);
-  /// Takes out the faces whose box in plan touches `box`. Time grows with them and with the number of pieces.
-  Piece take_near(const Box& box);
+  /// Takes out the faces that a tile within `tile` may change, and those beside them, by their boxes in plan. Time grows
+  /// with them and with the number of pieces.
+  Piece take_near(const Box& tile);
   /// Everything, points unique by place.
   Piece take_all();
 
@@ -60,6 +61,8 @@ class Mosaic {
     Box box;
     Piece piece;
   };
+  /// The box around `box` and all faces whose box touches it.
+  Box reach(const Box& box) const;
   void add_part(const Piece& piece, std::size_t first, std::size_t last, std::vector<Index>& local);
   std::vector<Part> parts_;
 };

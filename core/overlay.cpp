@@ -162,7 +162,13 @@ Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Contex
     } else {
       z = std::move(arrangement.heights[m]);
       z.resize(points.size());
-      result.per_corner[m] = mend_heights(work, points, heights[m], m, relabelled, z);
+      std::vector<Index> changed = relabelled;
+      std::erase_if(changed, [&](Index f) { return work.parents[f][m] == none; });
+      const auto own_heights = [&](Index f) {
+        return OwnHeights{{in_face(f, 0), in_face(f, 1), in_face(f, 2)},
+                          heights[m].error(work.parents[f][m], result.rounding.max_move)};
+      };
+      result.per_corner[m] = mend_heights(work.faces, changed, own_heights, z);
     }
   }
   if (mended) {

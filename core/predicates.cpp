@@ -28,6 +28,11 @@ double product_tail(double a, double b, double x) {
   return al * bl - (((x - ah * bh) - al * bh) - ah * bl);
 }
 
+Rational area2(Point2 a, Point2 b, Point2 c) {
+  return (Rational(b.x) - Rational(a.x)) * (Rational(c.y) - Rational(a.y)) -
+         (Rational(b.y) - Rational(a.y)) * (Rational(c.x) - Rational(a.x));
+}
+
 }  // namespace
 
 int orientation_exact(Point2 a, Point2 b, Point2 c) {
@@ -58,10 +63,13 @@ double area2_slowly(Point2 a, Point2 b, Point2 c) {
   const Quad ql = (Quad(b.x) - a.x) * (Quad(c.y) - a.y), qr = (Quad(b.y) - a.y) * (Quad(c.x) - a.x), qd = ql - qr;
   const Quad size = (ql < 0 ? -ql : ql) + (qr < 0 ? -qr : qr), magnitude = qd < 0 ? -qd : qd;
   if (magnitude > size * Quad(1e-20) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
-  const Rational e = (Rational(b.x) - Rational(a.x)) * (Rational(c.y) - Rational(a.y)) -
-                     (Rational(b.y) - Rational(a.y)) * (Rational(c.x) - Rational(a.x));
-  const double value = CGAL::to_double(e);
+  const double value = CGAL::to_double(area2(a, b, c));
   return value != 0 ? value : sign * std::numeric_limits<double>::denorm_min();
+}
+
+double area2_magnified(Point2 a, Point2 b, Point2 c) {
+  const Rational half(0x1p600);
+  return CGAL::to_double(area2(a, b, c) * half * half);
 }
 
 int in_circle_exact(Point2 a, Point2 b, Point2 c, Point2 d) {

@@ -95,8 +95,10 @@ Point2 rounded(const ExactPlace& place) {
                                        (far ? to_q : to_p) / (to_p + to_q));
     return is_long(place.p, place.q) ? refined(place, at) : at;
   }
-  return crossing_point(place.p, place.q, place.r, place.s, std::fabs(area2_accurate(place.p, place.q, place.r)),
-                        std::fabs(area2_accurate(place.p, place.q, place.s)));
+  double to_r = area2_accurate(place.p, place.q, place.r), to_s = area2_accurate(place.p, place.q, place.s);
+  if (std::fabs(to_r) + std::fabs(to_s) < tiny_area)
+    to_r = area2_magnified(place.p, place.q, place.r), to_s = area2_magnified(place.p, place.q, place.s);
+  return crossing_point(place.p, place.q, place.r, place.s, std::fabs(to_r), std::fabs(to_s));
 }
 
 double rounding_bound(const ExactPlace& place) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_set>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
@@ -23,17 +23,19 @@ class Vicinity {
   void each(Location where, Point2 q, Visit visit) {
     const Index start = face_at(a_, where);
     if (where.kind == Location::face && deep_inside(start, q)) return;  // nearly always
-    faces_.assign(1, start);
-    seen_ = {start};
+    if (seen_.empty()) seen_.assign(a_.faces(), 0);
+    ++round_;
+    faces_.clear();
     places_.clear();
+    const auto reach = [&](Index face) {
+      if (std::exchange(seen_[face], round_) != round_) faces_.push_back(face);
+    };
+    reach(start);
     for (std::size_t n = 0; n < faces_.size(); ++n)
       for (int k = 0; k < 3; ++k) {
         const Index h = 4 * faces_[n] + k, i = a_.corner(h);
-        if (i < a_.real_places()) places_.push_back(i);
-        double d;
-        nearest_on_segment(a_.at(i), a_.at(a_.target(h)), q, d);
-        if (d <= 2 * tolerance_ && a_.twin(h) != none && seen_.insert(a_.twin(h) >> 2).second)
-          faces_.push_back(a_.twin(h) >> 2);
+        if (beside(a_.at(i), a_.at(i), q, tolerance_) && i < a_.real_places()) places_.push_back(i);
+        if (a_.twin(h) != none && near_edge(a_.at(i), a_.at(a_.target(h)), q)) reach(a_.twin(h) >> 2);
       }
     std::sort(places_.begin(), places_.end());
     places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
@@ -42,6 +44,20 @@ class Vicinity {
   }
 
  private:
+  /// Is q in the box around a and b, widened by `margin`?
+  static bool beside(Point2 a, Point2 b, Point2 q, double margin) {
+    return std::min(a.x, b.x) - margin <= q.x && q.x <= std::max(a.x, b.x) + margin &&
+           std::min(a.y, b.y) - margin <= q.y && q.y <= std::max(a.y, b.y) + margin;
+  }
+
+  bool near_edge(Point2 a, Point2 b, Point2 q) const {
+    if (!beside(a, b, q, 2 * tolerance_)) return false;
+    if (beside(a, a, q, tolerance_) || beside(b, b, q, tolerance_)) return true;  // beside a place, nearly always
+    double d;
+    nearest_on_segment(a, b, q, d);
+    return d <= 2 * tolerance_;
+  }
+
   /// Is q, in the face, certainly farther from its sides than the tolerance?
   bool deep_inside(Index face, Point2 q) const {
     for (int k = 0; k < 3; ++k) {
@@ -57,7 +73,8 @@ class Vicinity {
   const CompletedMesh& a_;
   double tolerance_;
   std::vector<Index> faces_, places_;
-  std::unordered_set<Index> seen_;
+  std::vector<std::uint32_t> seen_;  // of a face: the last round that reached it
+  std::uint32_t round_ = 0;
 };
 
 bool positive(const CompletedMesh& mesh, const Array<Point2>& at, Index f) {

@@ -8,6 +8,7 @@
 #include "core/corner_heights.hpp"
 #include "core/edge_cuts.hpp"
 #include "core/error.hpp"
+#include "core/mend.hpp"
 #include "core/single_valued.hpp"
 #include "core/walls.hpp"
 
@@ -39,10 +40,16 @@ std::vector<EdgeCut> sign_changes(const CornerSurface& surface, const Array<Face
 }
 
 /// Where the zero point of a jump rounded onto a vertex, the jump there is within rounding of zero: both heights become
-/// that of the first face.
+/// that of the first face. On an edge as short as rounding that can be any jump: then only the face beside it, which is
+/// as thin, gives way. `anyway`: all that share its height do.
 struct Closure {
   Index point;
   double from, to;
+  Index face;  // before the cuts
+
+  bool covers(Index of, double z, bool anyway) const {
+    return z == from && (anyway || of == face || std::fabs(to - from) <= height_rounding(from));
+  }
 };
 
 std::vector<Closure> closures(const CornerSurface& before, const Array<Face>& neighbours, const CutMesh& cut) {
@@ -64,26 +71,26 @@ std::vector<Closure> closures(const CornerSurface& before, const Array<Face>& ne
       int j = 0;
       while (before.faces[g][j] != w) ++j;
       const double from = before.z[3 * static_cast<std::size_t>(g) + j];
-      if (d.dp != 0 || d.dq != 0) found.push_back({w, from, to});
+      if (d.dp != 0 || d.dq != 0) found.push_back({w, from, to, g});
     }
   }
   return found;
 }
 
-void apply(std::vector<Closure> closures, CornerSurface& surface) {
+void apply(std::vector<Closure> closures, const Array<Index>& labels, bool anyway, CornerSurface& surface) {
   if (closures.empty()) return;
   std::stable_sort(closures.begin(), closures.end(), [](auto& a, auto& b) { return a.point < b.point; });
   for (std::size_t c = 0; c < surface.z.size(); ++c) {
     const Index point = surface.faces[c / 3][c % 3];
     auto it = std::lower_bound(closures.begin(), closures.end(), point, [](auto& a, Index p) { return a.point < p; });
     for (; it != closures.end() && it->point == point; ++it)
-      if (surface.z[c] == it->from) surface.z[c] = it->to;
+      if (it->covers(labels[c / 3], surface.z[c], anyway)) surface.z[c] = it->to;
   }
 }
 
 /// Makes the zero points of jumps that change sign along an edge vertices of both faces.
 CornerSurface cut_at_zero_points(CornerSurface before, PlanarMesh mesh, const std::vector<EdgeCut>& cuts,
-                                 RoundingReport& report, Context& context) {
+                                 bool close_anyway, RoundingReport& report, Context& context) {
   const Array<Face> neighbours = mesh.neighbours;
   CutMesh cut = cut_edges(std::move(mesh), cuts, Chords::none, context);
   accumulate(report, cut.rounded.report);
@@ -101,7 +108,7 @@ CornerSurface cut_at_zero_points(CornerSurface before, PlanarMesh mesh, const st
       if (at < 3 && !before.firm.empty()) after.firm[3 * f + k] = before.firm[3 * label + at];
     }
   }
-  apply(closures(before, neighbours, cut), after);
+  apply(closures(before, neighbours, cut), cut.mesh.labels, close_anyway, after);
   after.points = std::move(cut.mesh.points);
   return after;
 }
@@ -127,7 +134,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
   Assembled result;
   PlanarMesh mesh;
   // Every round leaves edges whose jump keeps its sign; rounding a zero point onto an end can give another edge there a
-  // new one, which the next round finds. Two rounds are common, three rare.
+  // new one, which the next round finds. Two rounds are common, three rare; thin faces in a ring may pass a jump on.
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
     if (auto tin = single_valued(surface)) {
@@ -147,7 +154,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
       context.progress("assemble", 1);
       return result;
     }
-    surface = cut_at_zero_points(std::move(surface), std::move(mesh), cuts, result.rounding, context);
+    surface = cut_at_zero_points(std::move(surface), std::move(mesh), cuts, round > 3, result.rounding, context);
   }
   throw Error(ErrorKind::input, "rounding",
               "the heights of two surfaces cross too often along one seam to be rounded; raise z-tolerance");

@@ -11,7 +11,8 @@ namespace terrane {
 
 double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   const double dx = b.x - a.x, dy = b.y - a.y;
-  const double t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+  const double squared = dx * dx + dy * dy;  // 0 of a segment too short for that
+  const double t = squared > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0;
   distance = std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
   return t;
 }
@@ -32,9 +33,13 @@ double height_on_border(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
 }  // namespace
 
 double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
-  const double w[3] = {area2_accurate(c[1], c[2], p), area2_accurate(c[2], c[0], p), area2_accurate(c[0], c[1], p)};
+  double w[3] = {area2_accurate(c[1], c[2], p), area2_accurate(c[2], c[0], p), area2_accurate(c[0], c[1], p)};
   if (std::min({w[0], w[1], w[2]}) < 0) return height_on_border(c, z, p);
-  const double total = w[0] + w[1] + w[2];
+  double total = w[0] + w[1] + w[2];
+  if (total < tiny_area) {
+    for (int k = 0; k < 3; ++k) w[k] = area2_magnified(c[(k + 1) % 3], c[(k + 2) % 3], p);
+    total = w[0] + w[1] + w[2];
+  }
   // Relative to the heaviest corner: a level face stays level to the last bit.
   const int heavier = w[1] >= w[2] ? 1 : 2, base = w[0] >= w[heavier] ? 0 : heavier;
   const int i = base == 0, j = 2 - (base == 2);

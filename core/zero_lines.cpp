@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/edge_cuts.hpp"
+#include "core/mended_heights.hpp"
 #include "core/surface.hpp"
 
 namespace terrane {
@@ -47,6 +48,8 @@ class Carrier {
   Overlay run() {
     for (int input : {0, 1}) carry(input);
     equate();
+    for (int input : {0, 1})
+      if (!after_.per_corner[input]) mend(input);
     return std::move(after_);
   }
 
@@ -73,14 +76,36 @@ class Carrier {
     for (std::size_t f = 0; f < before_.faces.size(); ++f)
       if (before_.parents[f][input] != none)
         for (const Index v : before_.faces[f]) known[v] = 1;
-    for (std::size_t f = 0; f < after_.faces.size(); ++f) {
-      if (after_.parents[f][input] == none) continue;
-      for (int k = 0; k < 3; ++k) {
-        const Index v = after_.faces[f][k];
-        if (!known[v]) heights[v] = value(input, f, k);
-        known[v] = 1;
+    for (const bool strange : {false, true})  // faces that rounding brought to a vertex have no say where others know
+      for (std::size_t f = 0; f < after_.faces.size(); ++f) {
+        if (after_.parents[f][input] == none) continue;
+        for (int k = 0; k < 3; ++k) {
+          const Index v = after_.faces[f][k];
+          if (known[v] || is_strange(f, v) != strange) continue;
+          heights[v] = value(input, f, k);
+          known[v] = 1;
+        }
       }
+  }
+
+  bool is_strange(std::size_t f, Index v) const { return !is_on(cut_, before_.faces[cut_.mesh.labels[f]], v); }
+
+  /// Where faces meet at a vertex that have its height not from a corner or an edge of their own.
+  void mend(int input) {
+    std::vector<Index> changed;
+    for (std::size_t f = 0; f < after_.faces.size(); ++f) {
+      const auto other = [&](Index v) { return equated_[v] || is_strange(f, v); };
+      if (after_.parents[f][input] != none && std::any_of(after_.faces[f].begin(), after_.faces[f].end(), other))
+        changed.push_back(static_cast<Index>(f));
     }
+    const auto own_heights = [&](Index f) {
+      const Index label = cut_.mesh.labels[f];
+      const auto at = [&](int k) { return before_.points[before_.faces[label][k]]; };
+      const auto z = [&](int k) { return before_.height(input, label, k); };
+      return OwnHeights{{value(input, f, 0), value(input, f, 1), value(input, f, 2)},
+                        height_error({at(0), at(1), at(2)}, {z(0), z(1), z(2)}, cut_.rounded.report.max_move)};
+    };
+    after_.per_corner[input] = mend_heights(after_.faces, changed, own_heights, after_.heights[input]);
   }
 
   /// Both heights at a vertex made for a face are one double there: that of the flatter surface, which stays flat, or
@@ -94,6 +119,7 @@ class Carrier {
       next[i] = lands_on[w];
       lands_on[w] = static_cast<Index>(i);
     }
+    equated_.assign(after_.points.size(), 0);
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       if (!has_both(after_, static_cast<Index>(f))) continue;
       for (int k = 0; k < 3; ++k) {
@@ -123,6 +149,7 @@ class Carrier {
     const auto at = [&](int input) -> double& {
       return after_.heights[input][after_.per_corner[input] ? 3 * f + corner : after_.faces[f][corner]];
     };
+    equated_[after_.faces[f][corner]] = 1;
     const int from = after_.per_corner[0] == after_.per_corner[1] ? flatter : after_.per_corner[0] ? 1 : 0;
     at(1 - from) = at(from);
   }
@@ -130,6 +157,7 @@ class Carrier {
   const Overlay& before_;
   const CutMesh& cut_;
   Overlay after_;
+  std::vector<std::uint8_t> equated_;  // by vertex
 };
 
 }  // namespace

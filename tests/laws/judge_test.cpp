@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/merge.hpp"
 #include "core/overlay.hpp"
 #include "support/merge_judge.hpp"
@@ -74,6 +77,31 @@ TEST_F(OverlayJudge, SeesAHeightThatIsOff) {
 TEST_F(OverlayJudge, SeesAReportOfLessThanWhatMoved) {
   ASSERT_GT(overlaid.rounding.max_move, 0);
   overlaid.rounding.max_move /= 1000;
+  EXPECT_NE(verdict(), "");
+}
+
+TEST_F(OverlayJudge, SeesAReportOfLessThanWhatSpilt) {
+  overlaid.rounding.max_spill = 0;
+  EXPECT_NE(verdict(), "");
+}
+
+TEST_F(OverlayJudge, SeesAHeightThatIsOffAtACornerOfItsOwnFace) {
+  Array<double> corners;
+  for (const Face& f : overlaid.faces)
+    for (const Index v : f) corners.push_back(overlaid.heights[0][v]);
+  overlaid.heights[0] = corners;
+  overlaid.per_corner[0] = true;
+  ASSERT_EQ(verdict(), "");
+  std::size_t c = 0;  // a corner of a face of A that is one of its parent too
+  const auto is_own = [&] {
+    const Index parent = overlaid.parents[c / 3][0];
+    if (parent == none) return false;
+    const Point2 p = overlaid.points[overlaid.faces[c / 3][c % 3]];
+    return std::any_of(a.faces[parent].begin(), a.faces[parent].end(),
+                       [&](Index v) { return plan(a.vertices[v]) == p; });
+  };
+  while (!is_own()) ++c;
+  overlaid.heights[0][c] = std::nextafter(overlaid.heights[0][c], 1e9);
   EXPECT_NE(verdict(), "");
 }
 

@@ -125,7 +125,7 @@ HeightJudge::Range HeightJudge::range(Point2 p, double radius) const {
     if (!near(i, p, radius)) continue;
     double doubt;
     Range one = quick(i, p, radius, doubt);
-    if (!(doubt <= 1e-16 * (std::fabs(one.low) + std::fabs(one.high)))) one = exact(i, p, radius);
+    if (!(doubt < 1e-16 * (std::fabs(one.low) + std::fabs(one.high)))) one = exact(i, p, radius);
     all = all.found ? Range{true, std::min(all.low, one.low), std::max(all.high, one.high)} : one;
   }
   return all;

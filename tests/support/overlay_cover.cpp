@@ -141,7 +141,8 @@ class Cover {
       wrong_ << "the area is off by " << exact.get_d() << ", allowed are " << allowed << "; ";
   }
 
-  /// Every edge of an input is a chain of edges of the result that runs within reach of it.
+  /// Every edge of an input is a chain of edges of the result that runs within reach of it, but for what bounds the tip
+  /// of a face where that is thinner than reach: such a tip may go, like a whole face that thin.
   void judge_edges(int m) {
     std::map<std::pair<Index, Index>, Parents> sides;  // of edges u < v: the parents left and right
     for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
@@ -161,31 +162,44 @@ class Cover {
     for (const Face& f : meshes_[m].faces) {
       if (thickness(triangle(meshes_[m].points, f)) <= reach_) continue;  // such a face may go
       for (int k = 0; k < 3; ++k) {
-        const Point2 p = meshes_[m].points[f[k]], q = meshes_[m].points[f[(k + 1) % 3]];
+        const Point2 p = meshes_[m].points[f[k]], q = meshes_[m].points[f[(k + 1) % 3]],
+                     r = meshes_[m].points[f[(k + 2) % 3]];
         const auto s = at.find({p.x, p.y}), t = at.find({q.x, q.y});
         if (s == at.end() || t == at.end()) continue;  // a missing vertex is said elsewhere
-        if (connected(edge(p, q), s->second, t->second, between) || connected(edge(p, q), s->second, t->second, all))
-          continue;
+        const End ends[2] = {{s->second, tip(p, q, r)}, {t->second, tip(q, r, p)}};
+        if (connected(edge(p, q), ends, between) || connected(edge(p, q), ends, all)) continue;
         wrong_ << "edge " << p.x << " " << p.y << " - " << q.x << " " << q.y << " of input " << m
                << " is not covered; ";
       }
     }
   }
 
-  bool connected(const Edge& along, Index from, Index to, const std::vector<std::array<Index, 2>>& edges) {
+  /// How far from its corner p a face is thinner than reach.
+  double tip(Point2 p, Point2 q, Point2 r) const {
+    if ((q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y) <= 0) return reach_;
+    return reach_ * length(p, q) * length(p, r) / static_cast<double>(2 * area({p, q, r}));
+  }
+
+  struct End {
+    Index vertex;
+    double tip;
+  };
+  bool connected(const Edge& along, const End (&ends)[2], const std::vector<std::array<Index, 2>>& edges) {
     group_.resize(overlay_.points.size());
     std::iota(group_.begin(), group_.end(), 0);
     const auto root = [&](Index v) {
       while (group_[v] != v) v = group_[v] = group_[group_[v]];
       return v;
     };
-    for (Index v = 0; v < static_cast<Index>(overlay_.points.size());
-         ++v)  // an end may be as near as rounding leaves it
-      for (const Index end : {from, to})
-        if (length(overlay_.points[v], overlay_.points[end]) <= reach_) group_[root(v)] = root(end);
+    for (Index v = 0; v < static_cast<Index>(overlay_.points.size()); ++v)
+      for (const End& end : ends) {
+        const double distance = length(overlay_.points[v], overlay_.points[end.vertex]);
+        if (distance <= reach_ || (distance <= end.tip && near(overlay_.points[v], along, reach_)))
+          group_[root(v)] = root(end.vertex);
+      }
     for (const auto& [u, v] : edges)
       if (near(overlay_.points[u], along, reach_) && near(overlay_.points[v], along, reach_)) group_[root(u)] = root(v);
-    return root(from) == root(to);
+    return root(ends[0].vertex) == root(ends[1].vertex);
   }
 
   /// Every edge of the border runs along the border of an input.

@@ -152,16 +152,23 @@ class Judge {
     const RoundingReport& report = overlay_.rounding;
     if (!(report.max_spill <= 3 * report.max_move + report.max_snap))
       wrong_ << "a spill above 3 max_move is reported; ";
+    const double spill = std::min(3 * report.max_move, report.max_spill) + denormal;  // of what snapping has moved
     for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
       for (const int m : {0, 1}) {
         const Index parent = overlay_.parents[f][m];
         if (parent == none) continue;
         const Triangle t = triangle(*inputs_[m], parent);
         for (const Index v : overlay_.faces[f])
-          if (!within(overlay_.points[v], t, 3 * report.max_move + denormal))
+          if (!within(overlay_.points[v], t, spill))
             wrong_ << "face " << f << " spills at " << overlay_.points[v].x << " " << overlay_.points[v].y
                    << " from face " << parent << " of input " << m << "; ";
       }
+  }
+
+  const Point* corner_at(int m, Index face, Point2 p) const {
+    for (const Index v : inputs_[m]->faces[face])
+      if (plan(inputs_[m]->vertices[v]) == p) return &inputs_[m]->vertices[v];
+    return nullptr;
   }
 
   void judge_heights() {
@@ -187,10 +194,14 @@ class Judge {
           const double z = overlay_.height(m, f, k);
           if (seen[v].first != none && seen[v].second == z) continue;
           seen[v] = {v, z};
+          // Under a pasted A nothing of B is a vertex.
+          const bool vertices = m == 0 || options_.refinement == Refinement::full;
+          if (const Point* corner = corner_at(m, parent, p); corner && vertices && z != corner->z)
+            wrong_ << "height " << z << " at corner " << p.x << " " << p.y << " of face " << parent << " of input " << m
+                   << " instead of " << corner->z << "; ";
+          // At a cliff thinner than rounding a face keeps its own height.
           const auto vertex = own.find(key(p));
-          // Under a pasted A nothing of B is a vertex; at a cliff thinner than rounding a face keeps its own height.
-          const bool exact = vertex != own.end() && vertex->second.second && !overlay_.per_corner[m] &&
-                             (m == 0 || options_.refinement == Refinement::full);
+          const bool exact = vertices && vertex != own.end() && vertex->second.second && !overlay_.per_corner[m];
           if (exact) {
             if (z != vertex->second.first)
               wrong_ << "height " << z << " at vertex " << p.x << " " << p.y << " of input " << m << " instead of "

@@ -7,6 +7,7 @@
 
 #include "core/area_quantile.hpp"
 #include "support/checks.hpp"
+#include "support/merge_judge.hpp"
 #include "support/terrains.hpp"
 
 namespace terrane {
@@ -174,6 +175,30 @@ TEST(Seams, BiasIsSuspectedWhenNoiseCannotExplainIt) {
   const Tin tile = support::random_terrain(200, 5);
   EXPECT_TRUE(merged({tile, support::shifted(tile, 0, 0, 0.5)}, Overlap::mean).seams.at(0).bias_suspected);
   EXPECT_FALSE(merged({tile, tile}, Overlap::mean).seams.at(0).bias_suspected);
+}
+
+TEST(Merge, AnEdgeThatATileRoundsPassesNoVertexBesideIt) {
+  // The third tile rounds the first one's long edge where it crosses it, and so turns it, by less than an ulp, towards
+  // the second one's tip far away.
+  const Tin a{{{3333.333333333333, 3333.333333333333, 765},
+               {6666.6666666666661, 0, 897},
+               {3333.333333333333, 10000, 47}},
+              {{0, 1, 2}}};
+  const Tin b{{{5000, 5000, 7},
+               {9976.7360179687694, 5481.7661335672692, 7},
+               {9955.042057289098, 5668.9979151658181, 7}},
+              {{0, 1, 2}}};
+  const Tin c{{{3750, 7500, -174},
+               {1459.716212502693, 8502.2974472316037, 92},
+               {6040.2837874973065, 6497.7025527683963, 44}},
+              {{0, 1, 2}}};
+  const Tin d{{{4000, 4800, 5}, {9000, 4700, 5}, {9000, 5800, 5}}, {{0, 1, 2}}};
+  for (std::vector<Tin> tiles : {std::vector{a, b, c}, std::vector{a, b, c, d}}) {
+    for (Tin& tile : tiles) tile = canonical(tile);
+    const MergeOptions options{Overlap::first, {}};
+    Context context;
+    EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+  }
 }
 
 TEST(AreaQuantile, ClosedFormOnATriangle) {
