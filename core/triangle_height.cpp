@@ -12,7 +12,7 @@ namespace terrane {
 double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   const double dx = b.x - a.x, dy = b.y - a.y;
   const double t = std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  distance = std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
+  distance = std::hypot(t * dx - (p.x - a.x), t * dy - (p.y - a.y));  // far from the origin places have fewer digits
   return t;
 }
 

@@ -11,6 +11,7 @@
 #include "core/surface.hpp"
 #include "support/cells.hpp"
 #include "support/overlay_judge.hpp"
+#include "support/plan_mesh.hpp"
 #include "support/small_mesh.hpp"
 
 namespace terrane {
@@ -48,6 +49,69 @@ TEST(mending, a_vertex_whose_tip_no_double_can_hold_is_reported) {
   for (const Tin* tin : {&a, &b})
     for (const Point& p : tin->vertices) missing += !has(o, plan(p));
   EXPECT_EQ(o.rounding.lost, missing);
+}
+
+TEST(mending, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_its_tip) {
+  const Tin a = canonical(Tin{{{499999.99999999994, 4499999.9999999981, -1},
+                               {500000, 4500000, 2},
+                               {500002.33333333326, 4500003.9999999991, 6},
+                               {500005, 4500005, -2},
+                               {500005.00000000006, 4500005, 1}},
+                              {{0, 2, 1}, {0, 3, 2}, {0, 4, 3}}});
+  const Tin b = triangle_of({500001.66666666674, 4500000.9999999991, 0}, {500003.99999999994, 4500003.6666666651, -4},
+                            {500005, 4500005, -1});
+  EXPECT_TRUE(has(overlaid(a, b), {500005, 4500005}));
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
+TEST(mending, a_vertex_that_another_costs_its_last_face_is_reported) {
+  const Tin a = canonical(Tin{{{500003, 4499999.9999999991, 1},
+                               {500002.99999999994, 4500004, 4},
+                               {500001, 4500005, 1},
+                               {500002, 4500009.9999999991, 4},
+                               {500002.99999999988, 4500012.9999999981, -4},
+                               {500007, 4500009.9999999981, -2},
+                               {500008.99999999994, 4500011.0000000009, 6},
+                               {500011.99999999988, 4500004.0000000009, 2}},
+                              {{0, 4, 1}, {0, 7, 6}, {2, 4, 3}, {4, 5, 6}}});
+  const Tin b = canonical(Tin{{{500002.99999999988, 4500001, 1},
+                               {500006.99999999988, 4500011.9999999991, 6},
+                               {500013, 4500011.9999999991, 2},
+                               {500015.00000000006, 4500013, -3},
+                               {500014.99999999994, 4500003.0000000009, 1}},
+                              {{0, 4, 1}, {2, 4, 3}}});
+  const Overlay o = overlaid(a, b, -1);
+  Index missing = 0;
+  for (const Tin* tin : {&a, &b})
+    for (const Point& p : tin->vertices) missing += !has(o, plan(p));
+  EXPECT_GT(missing, 0);
+  EXPECT_EQ(o.rounding.lost, missing);
+}
+
+TEST(mending, a_spill_far_from_the_origin_is_reported_as_large_as_it_is) {
+  const Tin a = canonical(Tin{{{500000, 4500000.333333333, 5},
+                               {500000.6666666668, 4500000.3333333321, 2},
+                               {500002.33333333337, 4500000.3333333349, -2},
+                               {500000.33333333326, 4500002.666666667, 3},
+                               {500002.33333333337, 4500003.3333333349, 1},
+                               {500003.00000000006, 4500002.9999999981, 1},
+                               {500003.99999999994, 4500003.6666666651, 5},
+                               {500002.66666666669, 4500001.3333333321, -4},
+                               {500005, 4500001.3333333321, -2}},
+                              {{0, 1, 3}, {1, 2, 3}, {2, 4, 3}, {2, 6, 7}, {2, 7, 4}, {2, 8, 6}, {4, 5, 6}, {4, 7, 5},
+                               {5, 7, 6}}});
+  const Tin b = canonical(Tin{{{500000.66666666663, 4500000.3333333321, 5},
+                               {500001.6666666668, 4500000.3333333321, -3},
+                               {500001.6666666668, 4499999.9999999991, -4},
+                               {500002.33333333326, 4500000.3333333312, 6},
+                               {500004.99999999994, 4500001.3333333349, 2}},
+                              {{0, 1, 4}, {0, 2, 1}, {1, 2, 3}, {1, 3, 4}, {2, 4, 3}}});
+  const Overlay o = overlaid(a, b);
+  for (std::size_t f = 0; f < o.faces.size(); ++f)
+    for (const int m : {0, 1})
+      if (const Index parent = o.parents[f][m]; parent != none)
+        for (const Index v : o.faces[f])
+          EXPECT_TRUE(within(o.points[v], triangle(m == 0 ? a : b, parent), o.rounding.max_spill + 1e-14));
 }
 
 /// A is a cliff: a sliver thinner than the rounding of what crosses it, between two fat faces.
