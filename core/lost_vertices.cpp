@@ -30,6 +30,20 @@ class Keeper {
     return std::any_of(star_.begin(), star_.end(), [&](Index f) { return editor_.mesh().labels[f] != none; });
   }
 
+  /// Gives a face of the exterior beside v to the region next to it, where it is no farther from that than rounding.
+  bool widen(Index v) {
+    const PlanarMesh& mesh = editor_.mesh();
+    editor_.star(v, star_);
+    for (const Index f : star_)
+      for (const Index g : mesh.neighbours[f]) {
+        const Index label = g == none ? none : mesh.labels[g];
+        if (label == none || !within_bound(label, mesh.faces[f])) continue;
+        editor_.relabel(f, label);
+        return true;
+      }
+    return false;
+  }
+
   /// In at most so many merges: a vertex of the exterior may stand between.
   bool bring_back(Index v, int merges = 2) {
     for (const Candidate& c : beside(v)) {
@@ -84,10 +98,13 @@ class Keeper {
     changed.clear();
     editor_.changed(mark, changed);
     for (Index f : changed)
-      if (editor_.alive(f))
-        for (Index v : editor_.mesh().faces[f])
-          if (distance_(editor_.mesh().labels[f], editor_.mesh().points[v]) > bound_) return false;
+      if (editor_.alive(f) && !within_bound(editor_.mesh().labels[f], editor_.mesh().faces[f])) return false;
     return true;
+  }
+
+  bool within_bound(Index label, const Face& face) {
+    return std::all_of(face.begin(), face.end(),
+                       [&](Index v) { return distance_(label, editor_.mesh().points[v]) <= bound_; });
   }
 
   MeshEditor& editor_;
@@ -102,7 +119,8 @@ class Keeper {
 Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
                           const std::function<double(Index label, Point2)>& distance, double bound) {
   Keeper keeper(editor, place, distance, bound);
-  for (const Index v : keeper.without_faces()) keeper.bring_back(v);
+  for (const Index v : keeper.without_faces())
+    if (!keeper.bring_back(v)) keeper.widen(v);
   return static_cast<Index>(keeper.without_faces().size());  // bringing one back may have cost another's
 }
 

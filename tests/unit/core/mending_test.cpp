@@ -64,6 +64,24 @@ TEST(mending, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_it
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
+TEST(mending, a_vertex_that_another_an_ulp_away_takes_the_place_of_is_kept) {
+  const Tin a = canonical(Tin{{{499999.99999999988, 4500000, -1},
+                               {500000, 4500000, -3},
+                               {506875, 4509375, 2},
+                               {509374.99999999994, 4508124.9999999991, 2},
+                               {509375.00000000006, 4501874.9999999981, 1}},
+                              {{0, 3, 2}, {1, 4, 3}}});
+  const Tin b = canonical(Tin{{{500000, 4500000, 0},
+                               {500000.00000000006, 4500000, -1},
+                               {501875, 4506875, 0},
+                               {509375, 4509374.9999999981, 0},
+                               {509375, 4509375, 5},
+                               {509375.00000000006, 4501874.9999999981, 3}},
+                              {{0, 1, 5}, {0, 3, 2}, {0, 5, 3}, {2, 3, 4}, {3, 5, 4}}});
+  EXPECT_TRUE(has(overlaid(a, b), {500000, 4500000}));
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
 TEST(mending, a_vertex_that_another_costs_its_last_face_is_reported) {
   const Tin a = canonical(Tin{{{500003, 4499999.9999999991, 1},
                                {500002.99999999994, 4500004, 4},
