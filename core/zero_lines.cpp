@@ -51,11 +51,10 @@ class Carrier {
   }
 
  private:
-  double value(int input, std::size_t f, int corner) const {
-    const Index label = cut_.mesh.labels[f];
+  double value(int input, Index label, Index v) const {
     const double values[3] = {before_.height(input, label, 0), before_.height(input, label, 1),
                               before_.height(input, label, 2)};
-    return value_on(cut_, before_.points, before_.faces[label], values, after_.faces[f][corner]);
+    return value_on(cut_, before_.points, before_.faces[label], values, v);
   }
 
   void carry(int input) {
@@ -64,7 +63,7 @@ class Carrier {
       heights.assign(3 * after_.faces.size(), 0);
       for (std::size_t f = 0; f < after_.faces.size(); ++f)
         if (after_.parents[f][input] != none)
-          for (int k = 0; k < 3; ++k) heights[3 * f + k] = value(input, f, k);
+          for (int k = 0; k < 3; ++k) heights[3 * f + k] = value(input, cut_.mesh.labels[f], after_.faces[f][k]);
       return;
     }
     heights = before_.heights[input];
@@ -73,11 +72,18 @@ class Carrier {
     for (std::size_t f = 0; f < before_.faces.size(); ++f)
       if (before_.parents[f][input] != none)
         for (const Index v : before_.faces[f]) known[v] = 1;
+    // A vertex has the height of the edge that it was made on: flips hand it to faces that may be cliffs an ulp wide.
+    for (std::size_t i = 0; i < cut_.made.size(); ++i) {
+      const Index v = cut_.first_made + static_cast<Index>(i), owner = cut_.made[i].owners[0];
+      if (known[v] || before_.parents[owner][input] == none) continue;
+      heights[v] = value(input, owner, v);
+      known[v] = 1;
+    }
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       if (after_.parents[f][input] == none) continue;
       for (int k = 0; k < 3; ++k) {
         const Index v = after_.faces[f][k];
-        if (!known[v]) heights[v] = value(input, f, k);
+        if (!known[v]) heights[v] = value(input, cut_.mesh.labels[f], v);
         known[v] = 1;
       }
     }

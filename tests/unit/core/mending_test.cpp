@@ -10,6 +10,7 @@
 #include "core/predicates.hpp"
 #include "core/surface.hpp"
 #include "support/cells.hpp"
+#include "support/height_judge.hpp"
 #include "support/overlay_judge.hpp"
 #include "support/plan_mesh.hpp"
 #include "support/small_mesh.hpp"
@@ -201,6 +202,20 @@ TEST(zero_lines, a_level_surface_stays_level_where_a_steep_one_crosses_it) {
     for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
       for (int k = 0; k < 3 && o.parents[f][1] != none; ++k) ASSERT_EQ(o.height(1, f, k), 7) << i;
   }
+}
+
+/// B has a cliff an ulp wide; where A passes its foot, the crossing must not get a height of its top.
+TEST(zero_lines, a_crossing_has_the_height_of_the_edge_that_it_was_made_on) {
+  const auto at = [](int i, int j, double z) { return Point{500000 + 1.0 / 3 * i, 4500000 + 1.0 / 3 * j, z}; };
+  const Tin a = canonical(Tin{{at(0, 0, 5), at(2, 8, -4), at(5, 12, 2), at(15, 15, 2)}, {{0, 3, 1}, {1, 3, 2}}});
+  const Tin b = canonical(Tin{{at(9, 1, 5), at(8, 6, -1), at(3, 14, 2), at(7, 12, 4), at(15, 8, -3)},
+                              {{0, 1, 2}, {0, 3, 1}, {0, 4, 3}, {1, 3, 2}, {2, 3, 4}}});
+  Context context;
+  const Overlay o = split_where_surfaces_cross(overlaid(a, b), context);
+  const HeightJudge judge(a);
+  for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
+    for (int k = 0; k < 3 && o.parents[f][0] != none; ++k)
+      EXPECT_TRUE(judge.allows(o.points[o.faces[f][k]], 6 * o.rounding.max_move, o.height(0, f, k), o.parents[f][0]));
 }
 
 TEST(kinetic, a_vertex_crosses_an_open_border_by_taking_away_the_face_it_closes) {
