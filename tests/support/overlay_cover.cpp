@@ -184,6 +184,7 @@ class Cover {
       if (thickness(t) <= reach_) continue;  // such a face may go
       const auto tip = [&](int k) {
         const Point2 p = t[k], q = t[(k + 1) % 3], r = t[(k + 2) % 3];
+        if ((q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y) <= 0) return reach_;  // none
         return reach_ * distance(p, q) * distance(p, r) / static_cast<double>(2 * area(t));
       };
       for (int k = 0; k < 3; ++k) {
