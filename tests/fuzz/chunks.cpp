@@ -39,6 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     accepted = guard.accepts(body.substr(at, piece));
     at += piece;
   }
-  fuzz::require((accepted && guard.is_complete()) == is_whole(body), "a body that is whole to one and not to the other");
+  fuzz::require((accepted && guard.is_complete()) == is_whole(body),
+                "a body that is whole to one and not to the other");
   return 0;
 }

@@ -209,7 +209,8 @@ class Cover {
   }
 
   /// By edges whose ends are near. What is as near to one of the two as its tip is long counts as that one.
-  bool connected(std::array<Index, 2> ends, std::array<double, 2> tips, const std::vector<std::array<Index, 2>>& edges) {
+  bool connected(std::array<Index, 2> ends, std::array<double, 2> tips,
+                 const std::vector<std::array<Index, 2>>& edges) {
     group_.resize(overlay_.points.size());
     std::iota(group_.begin(), group_.end(), 0);
     const auto root = [&](Index v) {
