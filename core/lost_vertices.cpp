@@ -15,34 +15,67 @@ class Keeper {
          const std::function<double(Index label, Point2)>& distance, double bound)
       : editor_(editor), place_(place), distance_(distance), bound_(bound) {}
 
+  /// The input vertices that have lost their labelled faces.
+  std::vector<Index> without_faces() {
+    std::vector<Index> vertices;
+    editor_.labelled_before(vertices);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::erase_if(vertices, [&](Index v) { return place_(v).kind != ExactPlace::input || labelled(v); });
+    return vertices;
+  }
+
   bool labelled(Index v) {
     editor_.star(v, star_);
     return std::any_of(star_.begin(), star_.end(), [&](Index f) { return editor_.mesh().labels[f] != none; });
   }
 
-  bool bring_back(Index v) {
-    for (const auto& [distance, c] : beside(v)) {
+  /// Gives a face of the exterior beside v to the region next to it, where it is no farther from that than rounding.
+  bool widen(Index v) {
+    const PlanarMesh& mesh = editor_.mesh();
+    editor_.star(v, star_);
+    for (const Index f : star_)
+      for (const Index g : mesh.neighbours[f]) {
+        const Index label = g == none ? none : mesh.labels[g];
+        if (label == none || !within_bound(label, mesh.faces[f])) continue;
+        editor_.relabel(f, label);
+        return true;
+      }
+    return false;
+  }
+
+  /// In at most so many merges: a vertex of the exterior may stand between.
+  bool bring_back(Index v, int merges = 2) {
+    for (const Candidate& c : beside(v)) {
+      if (c.exterior && merges == 1) break;
       const MeshEditor::Mark mark = editor_.mark();
-      if (merge(c, v) && sound(mark) && labelled(v)) return true;
+      if (merge(c.vertex, v) && sound(mark) && (labelled(v) || (merges > 1 && bring_back(v, merges - 1)))) return true;
       editor_.undo(mark);
     }
     return false;
   }
 
  private:
-  /// The vertices that may be merged into v, the nearest first.
-  std::vector<std::pair<double, Index>> beside(Index v) {
+  struct Candidate {
+    bool exterior;  // has no labelled face
+    double distance;
+    Index vertex;
+    auto operator<=>(const Candidate&) const = default;
+  };
+
+  /// The vertices that may be merged into v: those with a labelled face first, the nearest first.
+  std::vector<Candidate> beside(Index v) {
     const PlanarMesh& mesh = editor_.mesh();
-    std::vector<std::pair<double, Index>> near;
+    std::vector<Candidate> near;
     editor_.star(v, star_);
     for (Index f : star_)
       for (Index c : mesh.faces[f]) {
         const double d = std::hypot(mesh.points[c].x - mesh.points[v].x, mesh.points[c].y - mesh.points[v].y);
-        if (c != v && d <= bound_ && place_(c).kind != ExactPlace::input) near.emplace_back(d, c);
+        if (c != v && d <= bound_ && place_(c).kind != ExactPlace::input) near.push_back({false, d, c});
       }
+    for (Candidate& c : near) c.exterior = !labelled(c.vertex);
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    std::erase_if(near, [&](const auto& c) { return !labelled(c.second); });
     return near;
   }
 
@@ -65,10 +98,13 @@ class Keeper {
     changed.clear();
     editor_.changed(mark, changed);
     for (Index f : changed)
-      if (editor_.alive(f))
-        for (Index v : editor_.mesh().faces[f])
-          if (distance_(editor_.mesh().labels[f], editor_.mesh().points[v]) > bound_) return false;
+      if (editor_.alive(f) && !within_bound(editor_.mesh().labels[f], editor_.mesh().faces[f])) return false;
     return true;
+  }
+
+  bool within_bound(Index label, const Face& face) {
+    return std::all_of(face.begin(), face.end(),
+                       [&](Index v) { return distance_(label, editor_.mesh().points[v]) <= bound_; });
   }
 
   MeshEditor& editor_;
@@ -82,15 +118,10 @@ class Keeper {
 
 Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
                           const std::function<double(Index label, Point2)>& distance, double bound) {
-  std::vector<Index> candidates;
-  editor.labelled_before(candidates);
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   Keeper keeper(editor, place, distance, bound);
-  Index lost = 0;
-  for (Index v : candidates)
-    if (place(v).kind == ExactPlace::input && !keeper.labelled(v) && !keeper.bring_back(v)) ++lost;
-  return lost;
+  for (const Index v : keeper.without_faces())
+    if (!keeper.bring_back(v)) keeper.widen(v);
+  return static_cast<Index>(keeper.without_faces().size());  // bringing one back may have cost another's
 }
 
 }  // namespace terrane

@@ -13,7 +13,7 @@ double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   const double dx = b.x - a.x, dy = b.y - a.y;
   const double squared = dx * dx + dy * dy;  // 0 of a segment too short for that
   const double t = squared > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0;
-  distance = std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
+  distance = std::hypot(t * dx - (p.x - a.x), t * dy - (p.y - a.y));  // far from the origin places have fewer digits
   return t;
 }
 

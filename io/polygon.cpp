@@ -76,6 +76,16 @@ Turns turns_of(const std::vector<Point>& vertices, std::span<const Index> corner
   return turns;
 }
 
+/// Corners that each stand over or under a neighbour make no turn either, wherever they are.
+bool on_one_line(const std::vector<Point>& vertices, std::span<const Index> corners) {
+  const Point2 p = plan(vertices[corners[0]]);
+  Point2 q = p;  // the first that is elsewhere
+  for (const Index v : corners)
+    if (q == p) q = plan(vertices[v]);
+    else if (orientation(p, q, plan(vertices[v])) != 0) return false;
+  return true;
+}
+
 /// The orientation of the whole polygon is the turn at its lowest, leftmost corner.
 int polygon_sign(const std::vector<Point>& vertices, std::span<const Index> corners) {
   const std::size_t n = corners.size();
@@ -115,9 +125,9 @@ bool append_polygon(std::vector<Face>& faces, const std::vector<Point>& vertices
   if (n < 3 || n > max_polygon_corners) return false;
   if (n > 3) {
     const Turns turns = turns_of(vertices, corners);
-    const bool vertical = !turns.left && !turns.right;
+    const bool vertical = !turns.left && !turns.right && on_one_line(vertices, corners);
     // A fan over straight corners would make faces without area; ears leave none.
-    const bool convex = turns.left + turns.right + turns.straight == 1 && goes_round_once(vertices, corners);
+    const bool convex = !turns.straight && turns.left != turns.right && goes_round_once(vertices, corners);
     if (!vertical && !convex) {
       const int sign = polygon_sign(vertices, corners);
       return sign != 0 && EarClipper(vertices, corners, sign).clip(faces);

@@ -13,7 +13,8 @@ inline constexpr std::size_t max_polygon_corners = 1024;
 
 /// Appends triangles of a polygon given by its corners: a fan when it is convex in plan (or vertical), clipped ears
 /// when not. The triangles keep the polygon's own orientation. False when it has fewer than 3 or too many corners, or
-/// crosses itself in plan. Exact predicates; O(n) when convex, else O(n^2).
+/// crosses itself in plan; one that winds around a place twice may pass, and its triangles then overlap, which is for
+/// validation to say. Exact predicates; O(n) when convex, else O(n^2).
 bool append_polygon(std::vector<Face>& faces, const std::vector<Point>& vertices, std::span<const Index> corners);
 
 }  // namespace terrane

@@ -53,7 +53,8 @@ nlohmann::json parse_parameters(Request& request, const Operation& operation) {
 
   std::set<std::string> seen;
   for (const auto& [name, text] : request.parameters) {
-    const auto it = std::find_if(all.begin(), all.end(), [&](const Parameter* p) { return p->name == name; });
+    const auto it =
+        std::find_if(all.begin(), all.end(), [&name = name](const Parameter* p) { return p->name == name; });
     if (it == all.end()) {
       std::vector<std::string> names;
       for (const Parameter* p : all) names.push_back(p->name);

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "core/error.hpp"
+#include "fuzz/require.hpp"
 #include "io/format.hpp"
 
 // libFuzzer on one reader (TERRANE_FUZZ_FORMAT). Any bytes end in a sound value or in an Error about the input; a mesh
@@ -15,11 +15,7 @@ namespace {
 
 using namespace terrane;
 
-void require(bool holds, const char* what) {
-  if (holds) return;
-  std::fprintf(stderr, "broken: %s\n", what);
-  std::abort();
-}
+using fuzz::require;
 
 void check_tin(const Tin& tin, const Crs& crs, const Format& format) {
   for (const Point& p : tin.vertices)

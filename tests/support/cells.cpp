@@ -71,7 +71,7 @@ Cell measured(const Tin& a, const Tin& b, Index f, Index g) {
   for (const auto& p : shared) dz.push_back(height(at, za, p) - height(bt, zb, p));
   for (std::size_t i = 0; i < shared.size(); ++i) {
     const std::size_t j = (i + 1) % shared.size();
-    perimeter += std::hypot(shared[j].x - shared[i].x, shared[j].y - shared[i].y);
+    perimeter += length(shared[j].x - shared[i].x, shared[j].y - shared[i].y);
     if (i == 0 || j == 0) continue;
     const Real part = cross(shared[0], shared[i], shared[j]) / 2;
     area += part;

@@ -16,6 +16,12 @@ Split two_sum(double a, double b) {
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
+/// Whether b - a is exact, and so short that products of two such differences are.
+bool is_short_step(double a, double b) {
+  const Split step = two_sum(b, -a);
+  return step.low == 0 && static_cast<float>(step.high) == step.high;
+}
+
 mpq_class cross(Point2 a, Point2 b, Point2 c) {
   const mpq_class ax(a.x), ay(a.y);
   return (mpq_class(b.x) - ax) * (mpq_class(c.y) - ay) - (mpq_class(b.y) - ay) * (mpq_class(c.x) - ax);
@@ -75,10 +81,13 @@ mpq_class ExactSum::rational() const {
 }
 
 int turn(Point2 a, Point2 b, Point2 c) {
+  if (a == b || b == c || c == a) return 0;
   const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
   const double doubt = 1e-15 * (std::fabs(l) + std::fabs(r)) + 1e-300;
   if (d > doubt) return 1;
   if (d < -doubt) return -1;
+  if (is_short_step(a.x, b.x) && is_short_step(a.y, b.y) && is_short_step(a.x, c.x) && is_short_step(a.y, c.y))
+    return (d > 0) - (d < 0);
   for (const double v : {a.x, a.y, b.x, b.y, c.x, c.y})
     if (!products_are_exact(v)) return sgn(cross(a, b, c));
   ExactSum sum;
@@ -104,7 +113,7 @@ bool within(Point2 p, Point2 a, Point2 b, double reach) {
   const long double px = static_cast<long double>(p.x) - a.x, py = static_cast<long double>(p.y) - a.y;
   const long double length2 = dx * dx + dy * dy;
   const long double t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0L, 1.0L) : 0;
-  const long double distance = std::hypot(px - t * dx, py - t * dy);
+  const long double distance = length(px - t * dx, py - t * dy);
   const long double doubt = 1e-18L * (std::fabs(px) + std::fabs(py) + std::fabs(dx) + std::fabs(dy));
   if (distance + doubt < reach) return true;
   if (distance - doubt > reach) return false;

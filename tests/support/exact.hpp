@@ -4,6 +4,7 @@
 #include <gmpxx.h>
 
 #include <array>
+#include <cmath>
 
 #include "core/tin.hpp"
 
@@ -37,6 +38,9 @@ int turn(Point2 a, Point2 b, Point2 c);
 mpq_class area2_exact(Point2 a, Point2 b, Point2 c);
 
 using Triangle = std::array<Point2, 3>;
+
+/// Of differences of doubles, whose squares neither overflow nor underflow here; std::hypot minds that and is slow.
+inline long double length(long double x, long double y) { return std::sqrt(x * x + y * y); }
 
 /// Whether two counter-clockwise triangles share more than a border: exact.
 bool interiors_meet(const Triangle& s, const Triangle& t);

@@ -97,7 +97,7 @@ HeightJudge::Range HeightJudge::quick(std::size_t i, Point2 p, double radius, do
   const Plane<long double> plane(t, c.z, p);
   const int turns[3] = {turn(t[0], t[1], p), turn(t[1], t[2], p), turn(t[2], t[0], p)};
   const long double z = plane.height(plane.nearest(turns));
-  const long double spread = 2 * radius * std::hypot(plane.slope_x(), plane.slope_y());
+  const long double spread = 2 * radius * length(plane.slope_x(), plane.slope_y());
   const long double extent = std::max({std::fabs(plane.u.x), std::fabs(plane.u.y), std::fabs(plane.v.x),
                                        std::fabs(plane.v.y), std::fabs(plane.p.x), std::fabs(plane.p.y)});
   doubt = 1e-18L * (c.high - c.low) * (1 + extent * extent / std::fabs(plane.area));
@@ -153,7 +153,7 @@ double HeightJudge::steepness(Point2 p, double radius) const {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (!near(i, p, radius)) continue;
     const Plane<long double> plane(triangles_[i], corners(tin_, tin_.faces[faces_[i]]).z, p);
-    slope = std::max(slope, static_cast<double>(std::hypot(plane.slope_x(), plane.slope_y())));
+    slope = std::max(slope, static_cast<double>(length(plane.slope_x(), plane.slope_y())));
   }
   return slope;
 }

@@ -16,9 +16,9 @@ namespace {
 
 using Parents = std::array<Index, 2>;
 
-double length(Point2 p, Point2 q) { return std::hypot(p.x - q.x, p.y - q.y); }
+double distance(Point2 p, Point2 q) { return static_cast<double>(length(p.x - q.x, p.y - q.y)); }
 
-double perimeter(const Triangle& t) { return length(t[0], t[1]) + length(t[1], t[2]) + length(t[2], t[0]); }
+double perimeter(const Triangle& t) { return distance(t[0], t[1]) + distance(t[1], t[2]) + distance(t[2], t[0]); }
 
 long double area(const Triangle& t) {
   const long double ux = static_cast<long double>(t[1].x) - t[0].x, uy = static_cast<long double>(t[1].y) - t[0].y,
@@ -125,7 +125,7 @@ class Cover {
     for (const int m : {0, 1}) {
       for (const Index f : meshes_[m].face_in_tin) add(triangle(*inputs_[m], f), -1);
       for (const auto& [u, v] : border_of(meshes_[m].faces))
-        border += length(meshes_[m].points[u], meshes_[m].points[v]);
+        border += distance(meshes_[m].points[u], meshes_[m].points[v]);
     }
     long double shared = 0;
     for (const Cell& cell : cells_) shared += cell.area;
@@ -141,50 +141,74 @@ class Cover {
       wrong_ << "the area is off by " << exact.get_d() << ", allowed are " << allowed << "; ";
   }
 
-  /// Every edge of an input is a chain of edges of the result that runs within reach of it, but for what bounds the tip
-  /// of a face where that is thinner than reach: such a tip may go, like a whole face that thin.
+  /// Every edge of an input is a chain of edges of the result that runs within reach of it, but for the tips of faces
+  /// where they are thinner than that.
   void judge_edges(int m) {
-    std::map<std::pair<Index, Index>, Parents> sides;  // of edges u < v: the parents left and right
+    std::vector<std::array<Index, 3>> halves;  // the ends u < v of an edge and the parent on one side of it
     for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
       for (int k = 0; k < 3; ++k) {
-        const Index u = overlay_.faces[f][k], v = overlay_.faces[f][(k + 1) % 3];
-        Parents& side = sides.try_emplace(std::minmax(u, v), Parents{none, none}).first->second;
-        side[u < v ? 0 : 1] = overlay_.parents[f][m];
+        const auto [u, v] = std::minmax(overlay_.faces[f][k], overlay_.faces[f][(k + 1) % 3]);
+        halves.push_back({u, v, overlay_.parents[f][m]});
       }
+    std::sort(halves.begin(), halves.end());
     std::vector<std::array<Index, 2>> all, between;  // those between two parents are what the input's edges left
-    for (const auto& [e, side] : sides) {
-      all.push_back({e.first, e.second});
-      if (side[0] != side[1]) between.push_back({e.first, e.second});
+    for (std::size_t i = 0; i < halves.size(); ++i) {
+      const auto [u, v, parent] = halves[i];
+      const bool two = i + 1 < halves.size() && halves[i + 1][0] == u && halves[i + 1][1] == v;
+      const Index across = two ? halves[++i][2] : none;
+      all.push_back({u, v});
+      if (parent != across) between.push_back({u, v});
     }
-    std::map<std::pair<double, double>, Index> at;
-    for (std::size_t v = 0; v < overlay_.points.size(); ++v)
-      at[{overlay_.points[v].x, overlay_.points[v].y}] = static_cast<Index>(v);
-    for (const Face& f : meshes_[m].faces) {
-      if (thickness(triangle(meshes_[m].points, f)) <= reach_) continue;  // such a face may go
-      for (int k = 0; k < 3; ++k) {
-        const Point2 p = meshes_[m].points[f[k]], q = meshes_[m].points[f[(k + 1) % 3]],
-                     r = meshes_[m].points[f[(k + 2) % 3]];
-        const auto s = at.find({p.x, p.y}), t = at.find({q.x, q.y});
-        if (s == at.end() || t == at.end()) continue;  // a missing vertex is said elsewhere
-        const End ends[2] = {{s->second, tip(p, q, r)}, {t->second, tip(q, r, p)}};
-        if (connected(edge(p, q), ends, between) || connected(edge(p, q), ends, all)) continue;
+    std::array<Index, 2> looked_at = {none, none};
+    for (const InputEdge& e : input_edges(meshes_[m])) {
+      const Point2 p = meshes_[m].points[e.ends[0]], q = meshes_[m].points[e.ends[1]];
+      const Index from = vertex_at(p), to = vertex_at(q);
+      if (from == none || to == none) continue;  // a missing vertex is said elsewhere
+      if (e.ends != looked_at) {
+        near_.clear();
+        for (const Point2 r : overlay_.points) near_.push_back(near(r, edge(p, q), reach_));
+        looked_at = e.ends;
+      }
+      const auto covered_by = [&](const auto& edges) { return connected({from, to}, e.tips, edges); };
+      if (!covered_by(between) && !covered_by(all))
         wrong_ << "edge " << p.x << " " << p.y << " - " << q.x << " " << q.y << " of input " << m
                << " is not covered; ";
-      }
     }
   }
 
-  /// How far from its corner p a face is thinner than reach.
-  double tip(Point2 p, Point2 q, Point2 r) const {
-    if ((q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y) <= 0) return reach_;
-    return reach_ * length(p, q) * length(p, r) / static_cast<double>(2 * area({p, q, r}));
+  /// An edge of a face that is thicker than rounding, and how long its tips are at the ends that are not. An edge of two
+  /// faces is here once for each, next to each other: it is to be covered by the measure of both.
+  struct InputEdge {
+    std::array<Index, 2> ends;
+    std::array<double, 2> tips;
+  };
+  std::vector<InputEdge> input_edges(const PlanMesh& mesh) const {
+    std::vector<InputEdge> edges;
+    for (const Face& f : mesh.faces) {
+      const Triangle t = triangle(mesh.points, f);
+      if (thickness(t) <= reach_) continue;  // such a face may go
+      const auto tip = [&](int k) {
+        const Point2 p = t[k], q = t[(k + 1) % 3], r = t[(k + 2) % 3];
+        if ((q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y) <= 0) return reach_;  // none
+        return reach_ * distance(p, q) * distance(p, r) / static_cast<double>(2 * area(t));
+      };
+      for (int k = 0; k < 3; ++k) {
+        const int u = f[k] < f[(k + 1) % 3] ? k : (k + 1) % 3, v = u == k ? (k + 1) % 3 : k;
+        edges.push_back({{f[u], f[v]}, {tip(u), tip(v)}});
+      }
+    }
+    std::sort(edges.begin(), edges.end(), [](const InputEdge& e, const InputEdge& f) { return e.ends < f.ends; });
+    return edges;
   }
 
-  struct End {
-    Index vertex;
-    double tip;
-  };
-  bool connected(const Edge& along, const End (&ends)[2], const std::vector<std::array<Index, 2>>& edges) {
+  Index vertex_at(Point2 p) const {
+    const auto found = std::find(overlay_.points.begin(), overlay_.points.end(), p);
+    return found == overlay_.points.end() ? none : static_cast<Index>(found - overlay_.points.begin());
+  }
+
+  /// By edges whose ends are near. What is as near to one of the two as its tip is long counts as that one.
+  bool connected(std::array<Index, 2> ends, std::array<double, 2> tips,
+                 const std::vector<std::array<Index, 2>>& edges) {
     group_.resize(overlay_.points.size());
     std::iota(group_.begin(), group_.end(), 0);
     const auto root = [&](Index v) {
@@ -192,14 +216,12 @@ class Cover {
       return v;
     };
     for (Index v = 0; v < static_cast<Index>(overlay_.points.size()); ++v)
-      for (const End& end : ends) {
-        const double distance = length(overlay_.points[v], overlay_.points[end.vertex]);
-        if (distance <= reach_ || (distance <= end.tip && near(overlay_.points[v], along, reach_)))
-          group_[root(v)] = root(end.vertex);
-      }
+      for (const int i : {0, 1})
+        if (near_[v] && distance(overlay_.points[v], overlay_.points[ends[i]]) <= tips[i])
+          group_[root(v)] = root(ends[i]);
     for (const auto& [u, v] : edges)
-      if (near(overlay_.points[u], along, reach_) && near(overlay_.points[v], along, reach_)) group_[root(u)] = root(v);
-    return root(ends[0].vertex) == root(ends[1].vertex);
+      if (near_[u] && near_[v]) group_[root(u)] = root(v);
+    return root(ends[0]) == root(ends[1]);
   }
 
   /// Every edge of the border runs along the border of an input.
@@ -221,6 +243,7 @@ class Cover {
   std::vector<Cell> cells_;
   std::array<PlanMesh, 2> meshes_;
   double reach_ = 0;
+  std::vector<bool> near_;  // per vertex of the result: the edge looked at is within reach
   std::vector<Index> group_;
   std::ostringstream wrong_;
 };

@@ -23,23 +23,31 @@ constexpr double denormal = 1e-300;
 
 Place key(Point2 p) { return {p.x, p.y}; }
 
-std::set<Place> places_of(std::span<const Point2> points) {
-  std::set<Place> places;
-  for (const Point2 p : points) places.insert(key(p));
-  return places;
-}
+/// Sorted: small sets of them are looked at by the million.
+class Places {
+ public:
+  Places() = default;
+  explicit Places(std::span<const Point2> points) {
+    for (const Point2 p : points) sorted_.push_back(key(p));
+    std::sort(sorted_.begin(), sorted_.end());
+  }
+  bool contains(Point2 p) const { return std::binary_search(sorted_.begin(), sorted_.end(), key(p)); }
+
+ private:
+  std::vector<Place> sorted_;
+};
 
 using Segment = std::array<Point2, 2>;
 
 /// Each edge once.
 std::vector<Segment> edges_of(const PlanMesh& mesh) {
-  std::set<std::pair<Index, Index>> seen;
-  std::vector<Segment> edges;
+  std::vector<std::pair<Index, Index>> ends;
   for (const Face& f : mesh.faces)
-    for (int k = 0; k < 3; ++k) {
-      const Index u = f[k], v = f[(k + 1) % 3];
-      if (seen.insert(std::minmax(u, v)).second) edges.push_back({mesh.points[u], mesh.points[v]});
-    }
+    for (int k = 0; k < 3; ++k) ends.push_back(std::minmax(f[k], f[(k + 1) % 3]));
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  std::vector<Segment> edges;
+  for (const auto& [u, v] : ends) edges.push_back({mesh.points[u], mesh.points[v]});
   return edges;
 }
 
@@ -49,7 +57,7 @@ bool near_crossing(Point2 p, const Segment& s, const Segment& t, double reach) {
   const Real ux = Real(s[1].x) - s[0].x, uy = Real(s[1].y) - s[0].y, vx = Real(t[1].x) - t[0].x,
              vy = Real(t[1].y) - t[0].y, wx = Real(t[0].x) - s[0].x, wy = Real(t[0].y) - s[0].y;
   const Real across = ux * vy - uy * vx, along = (wx * vy - wy * vx) / across;
-  const Real distance = std::hypot(s[0].x - Real(p.x) + along * ux, s[0].y - Real(p.y) + along * uy);
+  const Real distance = length(s[0].x - Real(p.x) + along * ux, s[0].y - Real(p.y) + along * uy);
   const Real doubt =
       2e-18L * (std::fabs(ux) + std::fabs(uy)) *
       (2 + (std::fabs(wx * vy) + std::fabs(wy * vx) + std::fabs(ux * vy) + std::fabs(uy * vx)) / std::fabs(across));
@@ -69,7 +77,7 @@ class Judge {
  public:
   Judge(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay)
       : inputs_{&a, &b}, options_(options), overlay_(overlay) {
-    for (const int m : {0, 1}) meshes_[m] = plan_mesh(*inputs_[m]), places_[m] = places_of(meshes_[m].points);
+    for (const int m : {0, 1}) meshes_[m] = plan_mesh(*inputs_[m]), places_[m] = Places(meshes_[m].points);
     wrong_.precision(17);
   }
 
@@ -85,7 +93,7 @@ class Judge {
   /// Every vertex is there, but for those reported: at the end of faces, or of tips of faces over the other's border,
   /// that are thinner than what rounding moves.
   void judge_presence() {
-    const std::set<Place> there = places_of(overlay_.points);
+    const Places there(overlay_.points);
     const double reach = 3 * overlay_.rounding.max_move + denormal;
     std::set<Place> missing;
     for (const int m : {0, 1}) {
@@ -93,7 +101,7 @@ class Judge {
       for (const Face& f : meshes_[m].faces)
         for (int k = 0; k < 3; ++k) {
           const Point2 p = meshes_[m].points[f[k]];
-          if (there.contains(key(p))) continue;
+          if (there.contains(p)) continue;
           missing.insert(key(p));
           if (tip_thickness(m, f, k) > reach)
             wrong_ << "vertex " << p.x << " " << p.y << " of input " << m << " is gone; ";
@@ -121,8 +129,8 @@ class Judge {
       }
       side[i][0] = until * dx, side[i][1] = until * dy;
     }
-    const Real longest = std::max({std::hypot(side[0][0], side[0][1]), std::hypot(side[1][0], side[1][1]),
-                                   std::hypot(side[0][0] - side[1][0], side[0][1] - side[1][1])});
+    const Real longest = std::max({length(side[0][0], side[0][1]), length(side[1][0], side[1][1]),
+                                   length(side[0][0] - side[1][0], side[0][1] - side[1][1])});
     return static_cast<double>(std::fabs(side[0][0] * side[1][1] - side[0][1] * side[1][0]) / longest);
   }
 
@@ -132,7 +140,7 @@ class Judge {
     const double reach = overlay_.rounding.max_move + denormal;
     std::vector<const Segment*> near[2];
     for (const Point2 p : overlay_.points) {
-      if (places_[0].contains(key(p)) || places_[1].contains(key(p))) continue;
+      if (places_[0].contains(p) || places_[1].contains(p)) continue;
       for (const int m : {0, 1}) {
         near[m].clear();
         for (const Segment& e : edges[m])
@@ -207,7 +215,10 @@ class Judge {
               wrong_ << "height " << z << " at vertex " << p.x << " " << p.y << " of input " << m << " instead of "
                      << vertex->second.first << "; ";
           } else if (!judge.allows(p, radius, z, parent)) {
-            const auto range = judge.range(p, radius);
+            HeightJudge::Range range = judge.range(p, radius);
+            // A corner may spill from all of the input.
+            if (!range.found) range = judge.range(p, radius + report.max_move);
+            if (range.found && range.low <= z && z <= range.high) continue;
             wrong_ << "height " << z << " at " << p.x << " " << p.y << " of input " << m << " is not in " << range.low
                    << " to " << range.high << "; ";
           }
@@ -220,7 +231,7 @@ class Judge {
   OverlayOptions options_;
   const Overlay& overlay_;
   std::array<PlanMesh, 2> meshes_;
-  std::array<std::set<Place>, 2> places_;
+  std::array<Places, 2> places_;
   std::ostringstream wrong_;
 };
 
@@ -228,50 +239,64 @@ class Judge {
 
 namespace {
 
-/// B with each missing vertex on a vertex of A within max_snap that no vertex of B lies on: the nearest, or with a
-/// higher rank one behind it.
-Tin snapped_to(std::size_t rank, const Tin& a, const Tin& b, const Overlay& overlay) {
-  const std::set<Place> there = places_of(overlay.points);
-  std::set<Place> taken = places_of(plan_mesh(b).points);
+/// B with vertices on those of A that they may have been snapped to: within max_snap, no vertex of B. `choice` numbers
+/// the ways; in the first all go to the nearest that are missing from the result. Others may have been as well, where a
+/// crossing now lies, and missing ones may be lost instead. What is left of `choice` is 0 if there are that many ways.
+struct Guess {
+  Tin b;
+  std::size_t snapped = 0;  // places
+};
+Guess snapped_to(std::size_t& choice, const Tin& a, const Tin& b, const Overlay& overlay) {
+  const Places there(overlay.points), of_b(plan_mesh(b).points);
   std::map<Place, Place> target;
+  const auto is_taken = [&](Point2 q) {
+    return of_b.contains(q) ||
+           std::any_of(target.begin(), target.end(), [&](const auto& moved) { return moved.second == key(q); });
+  };
   const PlanMesh mesh = plan_mesh(a);
-  Tin moved = b;
-  for (Point& p : moved.vertices) {
+  Guess guess{b};
+  for (Point& p : guess.b.vertices) {
     const Place from{p.x, p.y};
-    if (there.contains(from)) continue;
     if (!target.contains(from)) {
       std::vector<std::pair<double, Place>> near;
       for (const Point2 q : mesh.points)
         if (const double d = std::hypot(q.x - p.x, q.y - p.y);
-            d <= overlay.rounding.max_snap * (1 + 1e-15) && !taken.contains(key(q)))
+            d <= overlay.rounding.max_snap * (1 + 1e-15) && !is_taken(q))
           near.emplace_back(d, key(q));
-      if (near.empty()) continue;
       std::sort(near.begin(), near.end());
-      target[from] = near[std::min(rank, near.size() - 1)].second;
-      taken.insert(target[from]);
+      near.insert(there.contains(plan(p)) ? near.begin() : near.end(), {0, from});
+      target[from] = near[choice % near.size()].second;
+      choice /= near.size();
+      guess.snapped += target[from] != from;
     }
     std::tie(p.x, p.y) = target[from];
   }
-  return moved;
+  return guess;
 }
 
 }  // namespace
 
 Tin as_snapped(const Tin& a, const Tin& b, const Overlay& overlay) {
-  return overlay.rounding.snapped == 0 ? b : snapped_to(0, a, b, overlay);
+  std::size_t nearest = 0;
+  return overlay.rounding.snapped == 0 ? b : snapped_to(nearest, a, b, overlay).b;
 }
 
 std::string broken_promises(const Tin& a, const Tin& b, const OverlayOptions& options, const Overlay& overlay) {
   const std::string wrong = wrong_in_plan(overlay.points, overlay.faces);
   if (!wrong.empty()) return wrong;
-  // Which of several vertices within max_snap a vertex was snapped to is not reported: one of them must explain all.
+  if (overlay.rounding.snapped == 0)
+    return Judge(a, b, options, overlay).judged() + wrong_cover(a, b, options.refinement, overlay);
+  // Which vertices were snapped to which is not reported: one of the ways must explain all.
   std::string first;
-  for (std::size_t rank = 0; rank < (overlay.rounding.snapped == 0 ? 1 : 3); ++rank) {
-    const Tin seen = overlay.rounding.snapped == 0 ? b : snapped_to(rank, a, b, overlay);
+  for (std::size_t n = 0; n < 256; ++n) {
+    std::size_t choice = n;
+    const Guess seen = snapped_to(choice, a, b, overlay);
+    if (choice > 0) break;
+    if (n > 0 && seen.snapped != static_cast<std::size_t>(overlay.rounding.snapped)) continue;
     const std::string broken =
-        Judge(a, seen, options, overlay).judged() + wrong_cover(a, seen, options.refinement, overlay);
+        Judge(a, seen.b, options, overlay).judged() + wrong_cover(a, seen.b, options.refinement, overlay);
     if (broken.empty()) return {};
-    if (rank == 0) first = broken;
+    if (n == 0) first = broken;
   }
   return first;
 }

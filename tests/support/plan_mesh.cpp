@@ -12,6 +12,12 @@ namespace {
 
 bool before(Point2 p, Point2 q) { return p.x != q.x ? p.x < q.x : p.y < q.y; }
 
+std::vector<Point2> in_order(std::span<const Point2> points) {
+  std::vector<Point2> sorted(points.begin(), points.end());
+  std::sort(sorted.begin(), sorted.end(), before);
+  return sorted;
+}
+
 std::vector<std::uint64_t> directed_edges(std::span<const Face> faces) {
   std::vector<std::uint64_t> edges;
   for (const Face& f : faces)
@@ -24,8 +30,7 @@ std::vector<std::uint64_t> directed_edges(std::span<const Face> faces) {
 std::uint64_t reversed(std::uint64_t edge) { return edge << 32 | edge >> 32; }
 
 void judge_places(std::span<const Point2> points, std::span<const Face> faces, std::ostream& wrong) {
-  std::vector<Point2> sorted(points.begin(), points.end());
-  std::sort(sorted.begin(), sorted.end(), before);
+  const std::vector<Point2> sorted = in_order(points);
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) wrong << "two vertices at " << twice->x << " " << twice->y << "; ";
   std::vector<bool> used(points.size(), false);
@@ -34,15 +39,23 @@ void judge_places(std::span<const Point2> points, std::span<const Face> faces, s
   if (std::find(used.begin(), used.end(), false) != used.end()) wrong << "an unused vertex; ";
 }
 
-void judge_pair(const Triangle& s, const Triangle& t, std::ostream& wrong) {
-  if (interiors_meet(s, t))
-    wrong << "faces overlap at " << s[0].x << " " << s[0].y << " and " << t[0].x << " " << t[0].y << "; ";
-  for (int k = 0; k < 3; ++k)
-    for (int i = 0; i < 3; ++i)
-      for (const bool swap : {false, true}) {
-        const Triangle &u = swap ? t : s, &v = swap ? s : t;
-        if (inside_segment(u[k], u[(k + 1) % 3], v[i])) wrong << "T-junction at " << v[i].x << " " << v[i].y << "; ";
-      }
+/// `edges`: directed. Of an edge and its twin one is looked at.
+void judge_edges(std::span<const Point2> points, std::span<const std::uint64_t> edges, std::ostream& wrong) {
+  const std::vector<Point2> sorted = in_order(points);
+  for (const std::uint64_t e : edges) {
+    if (e > reversed(e) && std::binary_search(edges.begin(), edges.end(), reversed(e))) continue;
+    const Point2 p = points[e >> 32], q = points[e & 0xffffffff];
+    const double last = std::max(p.x, q.x);
+    const auto by_x = [](Point2 v, double x) { return v.x < x; };
+    auto v = std::lower_bound(sorted.begin(), sorted.end(), std::min(p.x, q.x), by_x);
+    for (; v != sorted.end() && v->x <= last; ++v)
+      if (inside_segment(p, q, *v)) wrong << "T-junction at " << v->x << " " << v->y << "; ";
+  }
+}
+
+/// Interiors meet nowhere else.
+bool interiors_may_meet(const Box& s, const Box& t) {
+  return s.xmin < t.xmax && t.xmin < s.xmax && s.ymin < t.ymax && t.ymin < s.ymax;
 }
 
 }  // namespace
@@ -56,7 +69,7 @@ double thickness(const Triangle& t) {
   using Real = long double;
   const Real ux = Real(t[1].x) - t[0].x, uy = Real(t[1].y) - t[0].y, vx = Real(t[2].x) - t[0].x,
              vy = Real(t[2].y) - t[0].y;
-  const Real longest = std::max({std::hypot(ux, uy), std::hypot(vx, vy), std::hypot(vx - ux, vy - uy)});
+  const Real longest = std::max({length(ux, uy), length(vx, vy), length(vx - ux, vy - uy)});
   return static_cast<double>(std::fabs(ux * vy - uy * vx) / longest);
 }
 
@@ -69,6 +82,7 @@ std::string wrong_in_plan(std::span<const Point2> points, std::span<const Face> 
   judge_places(points, faces, wrong);
   const std::vector<std::uint64_t> edges = directed_edges(faces);
   if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) wrong << "an edge with two faces on one side; ";
+  judge_edges(points, edges, wrong);
 
   std::vector<Triangle> triangles;
   std::vector<Box> boxes;
@@ -83,7 +97,9 @@ std::string wrong_in_plan(std::span<const Point2> points, std::span<const Face> 
   std::sort(order.begin(), order.end(), [&](std::size_t s, std::size_t t) { return boxes[s].xmin < boxes[t].xmin; });
   for (std::size_t i = 0; i < order.size(); ++i)
     for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].xmin <= boxes[order[i]].xmax; ++j)
-      if (boxes_meet(boxes[order[i]], boxes[order[j]])) judge_pair(triangles[order[i]], triangles[order[j]], wrong);
+      if (const Triangle &s = triangles[order[i]], &t = triangles[order[j]];
+          interiors_may_meet(boxes[order[i]], boxes[order[j]]) && interiors_meet(s, t))
+        wrong << "faces overlap at " << s[0].x << " " << s[0].y << " and " << t[0].x << " " << t[0].y << "; ";
   return wrong.str();
 }
 

@@ -10,7 +10,9 @@
 #include "core/predicates.hpp"
 #include "core/surface.hpp"
 #include "support/cells.hpp"
+#include "support/height_judge.hpp"
 #include "support/overlay_judge.hpp"
+#include "support/plan_mesh.hpp"
 #include "support/small_mesh.hpp"
 
 namespace terrane {
@@ -48,6 +50,87 @@ TEST(mending, a_vertex_whose_tip_no_double_can_hold_is_reported) {
   for (const Tin* tin : {&a, &b})
     for (const Point& p : tin->vertices) missing += !has(o, plan(p));
   EXPECT_EQ(o.rounding.lost, missing);
+}
+
+TEST(mending, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_its_tip) {
+  const Tin a = canonical(Tin{{{499999.99999999994, 4499999.9999999981, -1},
+                               {500000, 4500000, 2},
+                               {500002.33333333326, 4500003.9999999991, 6},
+                               {500005, 4500005, -2},
+                               {500005.00000000006, 4500005, 1}},
+                              {{0, 2, 1}, {0, 3, 2}, {0, 4, 3}}});
+  const Tin b = triangle_of({500001.66666666674, 4500000.9999999991, 0}, {500003.99999999994, 4500003.6666666651, -4},
+                            {500005, 4500005, -1});
+  EXPECT_TRUE(has(overlaid(a, b), {500005, 4500005}));
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
+TEST(mending, a_vertex_that_another_an_ulp_away_takes_the_place_of_is_kept) {
+  const Tin a = canonical(Tin{{{499999.99999999988, 4500000, -1},
+                               {500000, 4500000, -3},
+                               {506875, 4509375, 2},
+                               {509374.99999999994, 4508124.9999999991, 2},
+                               {509375.00000000006, 4501874.9999999981, 1}},
+                              {{0, 3, 2}, {1, 4, 3}}});
+  const Tin b = canonical(Tin{{{500000, 4500000, 0},
+                               {500000.00000000006, 4500000, -1},
+                               {501875, 4506875, 0},
+                               {509375, 4509374.9999999981, 0},
+                               {509375, 4509375, 5},
+                               {509375.00000000006, 4501874.9999999981, 3}},
+                              {{0, 1, 5}, {0, 3, 2}, {0, 5, 3}, {2, 3, 4}, {3, 5, 4}}});
+  EXPECT_TRUE(has(overlaid(a, b), {500000, 4500000}));
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
+TEST(mending, a_vertex_that_another_costs_its_last_face_is_reported) {
+  const Tin a = canonical(Tin{{{500003, 4499999.9999999991, 1},
+                               {500002.99999999994, 4500004, 4},
+                               {500001, 4500005, 1},
+                               {500002, 4500009.9999999991, 4},
+                               {500002.99999999988, 4500012.9999999981, -4},
+                               {500007, 4500009.9999999981, -2},
+                               {500008.99999999994, 4500011.0000000009, 6},
+                               {500011.99999999988, 4500004.0000000009, 2}},
+                              {{0, 4, 1}, {0, 7, 6}, {2, 4, 3}, {4, 5, 6}}});
+  const Tin b = canonical(Tin{{{500002.99999999988, 4500001, 1},
+                               {500006.99999999988, 4500011.9999999991, 6},
+                               {500013, 4500011.9999999991, 2},
+                               {500015.00000000006, 4500013, -3},
+                               {500014.99999999994, 4500003.0000000009, 1}},
+                              {{0, 4, 1}, {2, 4, 3}}});
+  const Overlay o = overlaid(a, b, -1);
+  Index missing = 0;
+  for (const Tin* tin : {&a, &b})
+    for (const Point& p : tin->vertices) missing += !has(o, plan(p));
+  EXPECT_GT(missing, 0);
+  EXPECT_EQ(o.rounding.lost, missing);
+}
+
+TEST(mending, a_spill_far_from_the_origin_is_reported_as_large_as_it_is) {
+  const Tin a = canonical(Tin{{{500000, 4500000.333333333, 5},
+                               {500000.6666666668, 4500000.3333333321, 2},
+                               {500002.33333333337, 4500000.3333333349, -2},
+                               {500000.33333333326, 4500002.666666667, 3},
+                               {500002.33333333337, 4500003.3333333349, 1},
+                               {500003.00000000006, 4500002.9999999981, 1},
+                               {500003.99999999994, 4500003.6666666651, 5},
+                               {500002.66666666669, 4500001.3333333321, -4},
+                               {500005, 4500001.3333333321, -2}},
+                              {{0, 1, 3}, {1, 2, 3}, {2, 4, 3}, {2, 6, 7}, {2, 7, 4}, {2, 8, 6}, {4, 5, 6}, {4, 7, 5},
+                               {5, 7, 6}}});
+  const Tin b = canonical(Tin{{{500000.66666666663, 4500000.3333333321, 5},
+                               {500001.6666666668, 4500000.3333333321, -3},
+                               {500001.6666666668, 4499999.9999999991, -4},
+                               {500002.33333333326, 4500000.3333333312, 6},
+                               {500004.99999999994, 4500001.3333333349, 2}},
+                              {{0, 1, 4}, {0, 2, 1}, {1, 2, 3}, {1, 3, 4}, {2, 4, 3}}});
+  const Overlay o = overlaid(a, b);
+  for (std::size_t f = 0; f < o.faces.size(); ++f)
+    for (const int m : {0, 1})
+      if (const Index parent = o.parents[f][m]; parent != none)
+        for (const Index v : o.faces[f])
+          EXPECT_TRUE(within(o.points[v], triangle(m == 0 ? a : b, parent), o.rounding.max_spill + 1e-14));
 }
 
 /// A is a cliff: a sliver thinner than the rounding of what crosses it, between two fat faces.
@@ -119,6 +202,20 @@ TEST(zero_lines, a_level_surface_stays_level_where_a_steep_one_crosses_it) {
     for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
       for (int k = 0; k < 3 && o.parents[f][1] != none; ++k) ASSERT_EQ(o.height(1, f, k), 7) << i;
   }
+}
+
+/// B has a cliff an ulp wide; where A passes its foot, the crossing must not get a height of its top.
+TEST(zero_lines, a_crossing_has_the_height_of_the_edge_that_it_was_made_on) {
+  const auto at = [](int i, int j, double z) { return Point{500000 + 1.0 / 3 * i, 4500000 + 1.0 / 3 * j, z}; };
+  const Tin a = canonical(Tin{{at(0, 0, 5), at(2, 8, -4), at(5, 12, 2), at(15, 15, 2)}, {{0, 3, 1}, {1, 3, 2}}});
+  const Tin b = canonical(Tin{{at(9, 1, 5), at(8, 6, -1), at(3, 14, 2), at(7, 12, 4), at(15, 8, -3)},
+                              {{0, 1, 2}, {0, 3, 1}, {0, 4, 3}, {1, 3, 2}, {2, 3, 4}}});
+  Context context;
+  const Overlay o = split_where_surfaces_cross(overlaid(a, b), context);
+  const HeightJudge judge(a);
+  for (Index f = 0; f < static_cast<Index>(o.faces.size()); ++f)
+    for (int k = 0; k < 3 && o.parents[f][0] != none; ++k)
+      EXPECT_TRUE(judge.allows(o.points[o.faces[f][k]], 6 * o.rounding.max_move, o.height(0, f, k), o.parents[f][0]));
 }
 
 TEST(kinetic, a_vertex_crosses_an_open_border_by_taking_away_the_face_it_closes) {

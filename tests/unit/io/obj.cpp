@@ -67,6 +67,11 @@ TEST(Obj, VerticalPolygonsAreWalls) {
   EXPECT_EQ(read_tin("obj", "v 0 0 0\nv 1 0 0\nv 1 0 5\nv 0 0 5\nf 1 2 3 4\n").faces.size(), 2u);
 }
 
+TEST(Obj, DoubledCornersMakeNoWall) {
+  const std::string arrow = "v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\n";
+  EXPECT_COMPLAINT(complaint("obj", arrow + "f 1 1 2 2 3 3 4 4\n"), "bad-face", "line 5");
+}
+
 TEST(Obj, CrossingPolygonsAreRefused) {
   EXPECT_COMPLAINT(complaint("obj", square + "f 1 3 2 4\n"), "bad-face", "line 5");
   // A pentagram turns left at every corner and is not convex.
