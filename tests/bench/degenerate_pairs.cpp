@@ -91,9 +91,10 @@ bool judge(const std::string& name, bool utm, int points, int places) {
   const double seconds = now() - start;
   const support::OracleCounts truth = support::oracle_counts(pair.a, pair.b);
   const Tin flat = with_heights(snapped, -1);
-  const Inspection seen = inspect(flat);
+  const Tin flat_exact = with_heights(exact, -1);
+  const Inspection seen = inspect(flat), unsnapped = inspect(flat_exact);
   const double delta = exact.rounding.max_move;
-  const double area_error = std::fabs(plan_area(with_heights(exact, -1)) - truth.area);
+  const double area_error = std::fabs(plan_area(flat_exact) - truth.area);
   const double allowed = delta * (border_length(pair.a) + border_length(pair.b)) + 1e-14 * truth.area;
   int compared = 0, astray = 0;
   const double height = std::max(worst_height(snapped, 0, pair.a, places / 2, compared, astray),
