@@ -54,10 +54,11 @@ class Carrier {
   }
 
  private:
-  double value(int input, Index label, Index v) const {
+  double value(int input, std::size_t f, int corner) const {
+    const Index label = cut_.mesh.labels[f];
     const double values[3] = {before_.height(input, label, 0), before_.height(input, label, 1),
                               before_.height(input, label, 2)};
-    return value_on(cut_, before_.points, before_.faces[label], values, v);
+    return value_on(cut_, before_.points, before_.faces[label], values, after_.faces[f][corner]);
   }
 
   void carry(int input) {
@@ -66,7 +67,7 @@ class Carrier {
       heights.assign(3 * after_.faces.size(), 0);
       for (std::size_t f = 0; f < after_.faces.size(); ++f)
         if (after_.parents[f][input] != none)
-          for (int k = 0; k < 3; ++k) heights[3 * f + k] = value(input, cut_.mesh.labels[f], after_.faces[f][k]);
+          for (int k = 0; k < 3; ++k) heights[3 * f + k] = value(input, f, k);
       return;
     }
     heights = before_.heights[input];
