@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -252,6 +253,31 @@ Location locate(const CompletedMesh& mesh, Point2 q, Index hint) {
   }
 }
 
+namespace {
+
+/// The height of a continuous surface at a place that lies there.
+double height_at(const CompletedMesh& mesh, const Location& where, Point2 p) {
+  constexpr double outside = std::numeric_limits<double>::quiet_NaN();
+  switch (where.kind) {
+    case Location::place:
+      return mesh.z[where.index];
+    case Location::edge: {
+      const Index h = where.index, e = mesh.edge_of(h);
+      const Index from = mesh.origin(h), to = mesh.target(h);
+      return mesh.sides[e] == 0 ? outside
+                                : mix(mesh.z[from], mesh.z[to], fraction_along(mesh.at(from), mesh.at(to), p));
+    }
+    case Location::face:
+      break;
+  }
+  if (!mesh.real(where.index)) return outside;
+  const Index* c = mesh.links[where.index].corner;
+  return height_on_triangle({mesh.at(c[0]), mesh.at(c[1]), mesh.at(c[2])}, {mesh.z[c[0]], mesh.z[c[1]], mesh.z[c[2]]},
+                            p);
+}
+
+}  // namespace
+
 void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<Location>& location, Context& context) {
   const std::size_t n = mesh.places.size();
   parallel_for(context, n, chunk_for(context, n), [&](std::size_t begin, std::size_t end) {
@@ -264,6 +290,7 @@ void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<
         else
           location[i] = locate(other, q, hint);
       }
+      location[i].z = height_at(other, location[i], q);
       hint = face_at(other, location[i]);
       if (location[i].kind == Location::place) next_place = location[i].index + 1;
     }

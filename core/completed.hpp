@@ -68,12 +68,15 @@ CompletedMesh complete(const Tin& tin, const Box& box, const std::vector<Point2>
 struct Location {
   enum Kind : std::uint8_t { face, edge, place } kind = face;
   Index index = none;  // face number; the defining half-edge; a place
+  double z = 0;        // height of the mesh there; NaN outside the TIN; filled in by locate_places() only
 };
 
 /// Finds `q`, walking from `hint` (a face). Expected O(1) when the hint is near. `q` must lie in the box.
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint);
 
-/// Fills in where every place of `mesh` lies in `other`, for those whose location has no index yet.
+/// Fills in where every place of `mesh` lies in `other`, for those whose location has no index yet, and how high `other`
+/// is there: a convex combination of its heights, never extrapolated, so that a place a rounding error off a steep sliver
+/// cannot run away on the sliver's plane. Meaningless where `other` jumps.
 void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<Location>& location, Context& context);
 
 /// A face that touches a location, to start the next walk from.

@@ -11,30 +11,6 @@
 #include "core/triangle_height.hpp"
 
 namespace terrane {
-namespace {
-
-/// The height of a continuous surface at a place that lies there.
-double height_at(const CompletedMesh& mesh, const Location& where, Point2 p) {
-  constexpr double outside = std::numeric_limits<double>::quiet_NaN();
-  switch (where.kind) {
-    case Location::place:
-      return mesh.z[where.index];
-    case Location::edge: {
-      const Index h = where.index, e = mesh.edge_of(h);
-      const Index from = mesh.origin(h), to = mesh.target(h);
-      return mesh.sides[e] == 0 ? outside
-                                : mix(mesh.z[from], mesh.z[to], fraction_along(mesh.at(from), mesh.at(to), p));
-    }
-    case Location::face:
-      break;
-  }
-  if (!mesh.real(where.index)) return outside;
-  const Index* c = mesh.links[where.index].corner;
-  return height_on_triangle({mesh.at(c[0]), mesh.at(c[1]), mesh.at(c[2])}, {mesh.z[c[0]], mesh.z[c[1]], mesh.z[c[2]]},
-                            p);
-}
-
-}  // namespace
 
 void place_vertices(Arrangement& arrangement, Context& context) {
   const std::size_t n = arrangement.first_crossing;
@@ -42,10 +18,9 @@ void place_vertices(Arrangement& arrangement, Context& context) {
     for (std::size_t v = begin; v < end; ++v) {
       const int m = static_cast<Index>(v) >= arrangement.first_b;
       const Index place = arrangement.place_of_vertex[v];
-      const Point2 p = arrangement.mesh[m]->at(place);
-      arrangement.points[v] = p;
+      arrangement.points[v] = arrangement.mesh[m]->at(place);
       arrangement.heights[m][v] = arrangement.mesh[m]->z[place];
-      arrangement.heights[1 - m][v] = height_at(*arrangement.mesh[1 - m], arrangement.location[m][place], p);
+      arrangement.heights[1 - m][v] = arrangement.location[m][place].z;
     }
   });
 }

@@ -5,9 +5,7 @@
 
 namespace terrane {
 
-/// Fills points and heights of the vertices that are places. Heights are convex combinations of a surface's own, never
-/// extrapolated, so that a vertex a rounding error outside its face cannot run away on a steep sliver's plane; NaN
-/// outside its domain; meaningless where the surface jumps.
+/// Fills points and heights of the vertices that are places, as locate_places() found them.
 void place_vertices(Arrangement& arrangement, Context& context);
 
 /// Heights of one input on a given face, for surfaces that jump and vertices that rounding moved out of their face.

@@ -145,7 +145,7 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
       if (partner[j] != none) {
         ++result.count;
         result.max_move = std::max(result.max_move, distance(partner[j], j));
-        result.location[j] = {Location::place, partner[j]};
+        result.location[j] = {Location::place, partner[j], a.z[partner[j]]};
       }
     result.mesh = std::move(snapped);
   } catch (const Error&) {
