@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/arrangement.hpp"
 #include "core/error.hpp"
@@ -197,18 +198,19 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
   context.progress("overlay", 0);
   OverlayOptions resolved = options;
   if (resolved.snap < 0) resolved.snap = four_ulp(a, b);
-  Overlay result;
-  bool as_given = false;
+  std::optional<Overlay> result;
   if (const auto divided = options.refinement == Refinement::full ? divide(a, b) : std::nullopt) {
-    as_given = true;
+    bool as_given = true;
+    Overlay rests;
     if (!divided->rest[0].faces.empty())
-      result = refine(divided->rest[0], divided->rest[1], resolved, context, as_given);
-    as_given = as_given && !result.per_corner[0] && !result.per_corner[1];
-    if (as_given) result = put_together(*divided, a, b, std::move(result));
+      rests = refine(divided->rest[0], divided->rest[1], resolved, context, as_given);
+    if (as_given && !rests.per_corner[0] && !rests.per_corner[1])
+      result = put_together(*divided, a, b, std::move(rests));
   }
-  if (!as_given) result = refine(a, b, resolved, context, as_given);
+  bool as_given;
+  if (!result) result = refine(a, b, resolved, context, as_given);
   context.progress("overlay", 1);
-  return result;
+  return std::move(*result);
 }
 
 }  // namespace terrane

@@ -105,7 +105,7 @@ std::optional<Divided> divide(const Tin& a, const Tin& b) {
   return divided;
 }
 
-Overlay put_together(const Divided& divided, const Tin& a, const Tin& b, Overlay result) {
+std::optional<Overlay> put_together(const Divided& divided, const Tin& a, const Tin& b, Overlay result) {
   // The vertices of the overlay of the rests begin with those of A; those of B that are not A's follow.
   std::vector<Index> of_b(divided.rest[1].vertices.size(), none);
   for (std::size_t v = 0; v < a.vertices.size(); ++v) {
@@ -115,6 +115,11 @@ Overlay put_together(const Divided& divided, const Tin& a, const Tin& b, Overlay
   Index next = static_cast<Index>(divided.rest[0].vertices.size());
   for (Index& v : of_b)
     if (v == none) v = next++;
+  const auto stands_at = [&](std::size_t v, const Point& p) { return v < result.points.size() && result.points[v] == plan(p); };
+  for (std::size_t i = 0; i < divided.rest[0].vertices.size(); ++i)
+    if (!stands_at(i, divided.rest[0].vertices[i])) return {};
+  for (std::size_t j = 0; j < of_b.size(); ++j)
+    if (!stands_at(of_b[j], divided.rest[1].vertices[j])) return {};
 
   std::vector<Index> number(a.vertices.size(), none);
   const auto number_of = [&](Index v) {

@@ -27,7 +27,7 @@ struct Divided {
 std::optional<Divided> divide(const Tin& a, const Tin& b);
 
 /// The overlay of A and B from that of the rests, which must not have moved or merged any vertex (empty when nothing is
-/// left).
-Overlay put_together(const Divided& divided, const Tin& a, const Tin& b, Overlay of_rests);
+/// left). Nothing when its vertices are not in the order of the rests, as when A or B was in no canonical order.
+std::optional<Overlay> put_together(const Divided& divided, const Tin& a, const Tin& b, Overlay of_rests);
 
 }  // namespace terrane

@@ -66,5 +66,15 @@ TEST(shared_faces, surfaces_with_little_in_common_or_two_heights_at_a_place_are_
   EXPECT_FALSE(divide(torn, torn));
 }
 
+TEST(shared_faces, surfaces_in_no_canonical_order_are_overlaid_right) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Tin t = canonical(random_terrain(60, seed)), moved = canonical(edited(t, 30, seed));
+    for (const Tin& a : {t, shuffled(t, seed)}) {
+      const Tin b = shuffled(moved, seed + 1);
+      EXPECT_EQ(broken_promises(a, b, {}, overlaid(a, b)), "");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace terrane
