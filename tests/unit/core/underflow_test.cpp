@@ -57,5 +57,13 @@ TEST(underflow, crossings_of_edges_the_smallest_double_apart_stand_in_their_orde
   EXPECT_EQ(wrong_with_overlay(b, a, -1), "");
 }
 
+TEST(underflow, a_vertex_may_go_with_a_tip_of_the_smallest_width) {
+  const Tin a = canonical(Tin{{{0, 1, 0}, {0.23268946045718097, 1.125, 1}, {4, 5.7208882576032769, 0}}, {{0, 1, 2}}});
+  const Tin b = canonical(
+      Tin{{{2 * tiny, 1, 0}, {0.23268946045718095, 1.1249999999999996, 1}, {4, 5.7208882576032778, 0}}, {{0, 1, 2}}});
+  EXPECT_EQ(wrong_with_overlay(a, b, 0), "");
+  EXPECT_EQ(wrong_with_overlay(b, a, 0), "");
+}
+
 }  // namespace
 }  // namespace terrane
