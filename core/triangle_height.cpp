@@ -10,11 +10,20 @@
 namespace terrane {
 
 double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
+  constexpr double up = 1 + 1e-12;
   const double dx = b.x - a.x, dy = b.y - a.y;
-  const double squared = dx * dx + dy * dy;  // 0 of a segment too short for that
-  const double t = squared > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0;
-  distance = std::hypot(t * dx - (p.x - a.x), t * dy - (p.y - a.y));  // far from the origin places have fewer digits
-  return t;
+  const double squared = dx * dx + dy * dy;  // tiny: its ends are one place
+  const double along = (p.x - a.x) * dx + (p.y - a.y) * dy, left = (b.x - p.x) * dx + (b.y - p.y) * dy;
+  if (!(along > 0) || !(squared > tiny_area)) {
+    distance = up * std::hypot(p.x - a.x, p.y - a.y);
+    return 0;
+  }
+  if (!(left > 0)) {
+    distance = up * std::hypot(p.x - b.x, p.y - b.y);
+    return 1;
+  }
+  distance = up * std::fabs(area2_accurate(a, b, p)) / std::hypot(dx, dy);
+  return std::min(along / squared, 1.0);
 }
 
 namespace {

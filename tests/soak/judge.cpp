@@ -14,6 +14,7 @@
 #include "support/merge_judge.hpp"
 #include "support/oracle.hpp"
 #include "support/overlay_judge.hpp"
+#include "support/plan_mesh.hpp"
 
 namespace terrane::soak {
 namespace {
@@ -44,9 +45,13 @@ std::string wrong_with_difference(const Tin& a, const Tin& b, Context& context) 
     volume_truth += cell.volume, area += cell.area, border += cell.perimeter;
     measuring += 1e-17 * cell.perimeter * cell.perimeter;  // of long doubles
   }
+  double outline = 0;  // of B, which snapping moves over places that the two do not share
+  const support::PlanMesh mesh = support::plan_mesh(b);
+  for (const auto& [u, v] : support::border_of(mesh.faces))
+    outline += std::hypot(mesh.points[u].x - mesh.points[v].x, mesh.points[u].y - mesh.points[v].y);
   for (const Tin* tin : {&a, &b})
     for (const Point& p : tin->vertices) highest = std::max(highest, std::fabs(p.z));
-  double allowed = (2 * reach * border + 1e-15 * area + measuring) * highest;
+  double allowed = (2 * reach * border + 2 * report.max_snap * outline + 1e-15 * area + measuring) * highest;
   if (walls) allowed += area * 2e-9 * std::max(1.0, highest);  // welding
   const double found = integral_in_plan(difference.tin);
   if (!(std::fabs(found - volume_truth) <= allowed))

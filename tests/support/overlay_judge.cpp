@@ -122,10 +122,11 @@ class Judge {
       const Real dx = Real(q.x) - p.x, dy = Real(q.y) - p.y;
       Real until = 1;
       for (const auto& [u, v] : border_of(other.faces)) {
-        const Real ux = Real(other.points[u].x) - p.x, uy = Real(other.points[u].y) - p.y;
-        const Real vx = Real(other.points[v].x) - other.points[u].x, vy = Real(other.points[v].y) - other.points[u].y;
-        const Real across = dx * vy - dy * vx, along = (ux * vy - uy * vx) / across, at = (ux * dy - uy * dx) / across;
-        if (along > 0 && at >= 0 && at <= 1) until = std::min(until, along);
+        const Point2 s = other.points[u], t = other.points[v];
+        if (turn(p, q, s) * turn(p, q, t) > 0 || turn(s, t, p) * turn(s, t, q) >= 0) continue;
+        // Exactly: p may be hundreds of orders of magnitude nearer to the border than to its ends.
+        const mpq_class from = area2_exact(s, t, p), along = from / (from - area2_exact(s, t, q));
+        until = std::min<Real>(until, along.get_d());
       }
       side[i][0] = until * dx, side[i][1] = until * dy;
     }

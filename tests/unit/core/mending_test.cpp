@@ -130,7 +130,19 @@ TEST(mending, a_spill_far_from_the_origin_is_reported_as_large_as_it_is) {
     for (const int m : {0, 1})
       if (const Index parent = o.parents[f][m]; parent != none)
         for (const Index v : o.faces[f])
-          EXPECT_TRUE(within(o.points[v], triangle(m == 0 ? a : b, parent), o.rounding.max_spill + 1e-14));
+          EXPECT_TRUE(within(o.points[v], triangle(m == 0 ? a : b, parent), o.rounding.max_spill));
+}
+
+TEST(mending, a_spill_beside_a_long_edge_is_reported_as_large_as_it_is) {
+  const Tin a = triangle_of({333751.24737673055, 5000520.1799814897, 7}, {334213.40567617374, 5000410.4597219778, 7},
+                            {333970.12995360914, 5000468.2154205013, 7});
+  const Tin b = canonical(Tin{{{333546.76674895303, 5000568.7253988776, 4.5},
+                               {333777.23965276539, 5000506.9231003849, 4.5},
+                               {333954.24556405592, 5000473.8929152545, 4.5},
+                               {333970.12995360914, 5000468.2154205013, 4.5},
+                               {334213.40567617374, 5000410.4597219778, 4.5}},
+                              {{0, 3, 2}, {1, 4, 3}}});
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
 /// A is a cliff: a sliver thinner than the rounding of what crosses it, between two fat faces.
