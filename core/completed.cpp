@@ -8,10 +8,10 @@
 #include <numeric>
 #include <utility>
 
-#include "core/region_fill.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
+#include "core/region_fill.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
@@ -57,8 +57,8 @@ std::vector<Index> number_places(const Tin& tin, const std::vector<Point2>* move
   return place_of;
 }
 
-/// The edge of half-edge h and its twin t (none on the box). Which of the two defines it is read off coordinates, so that
-/// what is computed along it does not depend on the order of the faces.
+/// The edge of half-edge h and its twin t (none on the box). Which of the two defines it is read off coordinates, so
+/// that what is computed along it does not depend on the order of the faces.
 void add_edge(CompletedMesh& mesh, Index h, Index t, std::uint8_t sides) {
   const Point2 from = mesh.at(mesh.origin(h)), to = mesh.at(mesh.target(h));
   const bool forward = t == none || from.x < to.x || (from.x == to.x && from.y < to.y);
@@ -69,9 +69,9 @@ void add_edge(CompletedMesh& mesh, Index h, Index t, std::uint8_t sides) {
   mesh.sides.push_back(sides);
 }
 
-/// Adds the faces that have an area and pairs their half-edges over shared edges. Those that wait for their twin hang in
-/// a chain at the lower of their ends, linked through `twin` until it is known; edges of a valid TIN have two at most.
-/// Returns those that wait for ever: the border.
+/// Adds the faces that have an area and pairs their half-edges over shared edges. Those that wait for their twin hang
+/// in a chain at the lower of their ends, linked through `twin` until it is known; edges of a valid TIN have two at
+/// most. Returns those that wait for ever: the border.
 std::vector<Index> add_real_faces(const Tin& tin, const std::vector<Index>& place_of, CompletedMesh& mesh) {
   const std::size_t n = tin.faces.size();
   mesh.links.reserve(n + n / 8 + 256);  // ghosts will follow

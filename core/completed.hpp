@@ -74,9 +74,9 @@ struct Location {
 /// Finds `q`, walking from `hint` (a face). Expected O(1) when the hint is near. `q` must lie in the box.
 Location locate(const CompletedMesh& mesh, Point2 q, Index hint);
 
-/// Fills in where every place of `mesh` lies in `other`, for those whose location has no index yet, and how high `other`
-/// is there: a convex combination of its heights, never extrapolated, so that a place a rounding error off a steep sliver
-/// cannot run away on the sliver's plane. Meaningless where `other` jumps.
+/// Fills in where every place of `mesh` lies in `other`, for those whose location has no index yet, and how high
+/// `other` is there: a convex combination of its heights, never extrapolated, so that a place a rounding error off a
+/// steep sliver cannot run away on the sliver's plane. Meaningless where `other` jumps.
 void locate_places(const CompletedMesh& mesh, const CompletedMesh& other, Array<Location>& location, Context& context);
 
 /// A face that touches a location, to start the next walk from.

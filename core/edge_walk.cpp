@@ -154,7 +154,8 @@ class EdgeWalk {
     const double dx = goal.x - start.x, dy = goal.y - start.y;
     const bool by_x = std::fabs(dx) >= std::fabs(dy);
     const double per = 1 / (by_x ? dx : dy);
-    return {start, goal, {a_.z[u], a_.z[w]}, by_x ? per : 0, by_x ? 0 : per, paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0};
+    return {start,          goal,           {a_.z[u], a_.z[w]},
+            by_x ? per : 0, by_x ? 0 : per, paste_ ? a_.sides[e] == 1 : a_.sides[e] > 0};
   }
 
   /// A half-edge of B about to be crossed, from its right end (0) to its left one (1). What depends on which end is
@@ -274,7 +275,8 @@ class EdgeWalk {
     }
     const LinkedFace& face = b_.links[gate.half >> 2];
     const Index g = face.twin[gate.half & 3], edge = face.edge[gate.half & 3], against = edge & 1;
-    // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this half-edge.
+    // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this
+    // half-edge.
     double to_right = -gate.side[0], to_left = gate.side[1];
     if (to_right + to_left < tiny_area) {
       to_right = -area2_magnified(line.start, line.goal, gate.at[0]);

@@ -50,8 +50,8 @@ inline bool touches(const Box& a, const Box& b) {
 class Mosaic {
  public:
   void add(const Piece& piece);
-  /// Takes out the faces that a tile within `tile` may change, and those beside them, by their boxes in plan. Time grows
-  /// with them and with the number of pieces.
+  /// Takes out the faces that a tile within `tile` may change, and those beside them, by their boxes in plan. Time
+  /// grows with them and with the number of pieces.
   Piece take_near(const Box& tile);
   /// Everything, points unique by place.
   Piece take_all();

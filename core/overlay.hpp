@@ -62,9 +62,9 @@ struct Overlay {
 ///     parents.
 ///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before
 ///  canonical().
-/// Precondition: both are valid, as checked() returns them (core/validate); in canonical order it is quickest. Walls are
-/// looked through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time and
-/// memory grow with input + output; what both share costs next to nothing (core/shared_faces). Throws Error{input,
+/// Precondition: both are valid, as checked() returns them (core/validate); in canonical order it is quickest. Walls
+/// are looked through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time
+/// and memory grow with input + output; what both share costs next to nothing (core/shared_faces). Throws Error{input,
 /// "rounding"} naming the place when the promise cannot be kept. See Jiao & Heath (2004) for the edge walk, and
 /// core/rounding.hpp.
 Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context);

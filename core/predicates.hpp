@@ -14,8 +14,8 @@ int orientation_exact(Point2 a, Point2 b, Point2 c);
 /// The filters are Shewchuk's (1997); underflow, which his bounds leave out, costs less than this.
 constexpr double underflow_bound = 1e-300;
 
-/// The sign of an area l - r, the difference of two products of coordinate differences, is beyond doubt above this: bound
-/// A.
+/// The sign of an area l - r, the difference of two products of coordinate differences, is beyond doubt above this:
+/// bound A.
 inline double orientation_bound(double l, double r) {
   return 3.3306690738754716e-16 * (std::fabs(l) + std::fabs(r)) + underflow_bound;
 }

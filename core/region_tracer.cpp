@@ -141,8 +141,9 @@ void RegionTracer::emit_convex(Index a, Index b, std::span<const Index> corners,
                                std::span<const std::uint8_t> straight) {
   ++sink_.regions;
   sink_.make_room(corners.size() - 2);
-  const bool positive = triangulator_.run(corners, straight, points_,
-                                          [&](Index u, Index v, Index w) { sink_.add({u, v, w}, {a, b}); });
+  const bool positive = triangulator_.run(corners, straight, points_, [&](Index u, Index v, Index w) {
+    sink_.add({u, v, w}, {a, b});
+  });
   sink_.all_positive = sink_.all_positive && positive;
 }
 

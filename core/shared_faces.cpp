@@ -115,7 +115,9 @@ std::optional<Overlay> put_together(const Divided& divided, const Tin& a, const 
   Index next = static_cast<Index>(divided.rest[0].vertices.size());
   for (Index& v : of_b)
     if (v == none) v = next++;
-  const auto stands_at = [&](std::size_t v, const Point& p) { return v < result.points.size() && result.points[v] == plan(p); };
+  const auto stands_at = [&](std::size_t v, const Point& p) {
+    return v < result.points.size() && result.points[v] == plan(p);
+  };
   for (std::size_t i = 0; i < divided.rest[0].vertices.size(); ++i)
     if (!stands_at(i, divided.rest[0].vertices[i])) return {};
   for (std::size_t j = 0; j < of_b.size(); ++j)

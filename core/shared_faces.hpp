@@ -21,9 +21,9 @@ struct Divided {
   std::vector<Index> partner;                // of a vertex of A: that of B at the same place, or none
 };
 
-/// Sets aside what A and B, in canonical order, share. Nothing where that would not pay or not do: they share little, one
-/// of them has nothing else, their extents differ, or one has two heights at a place. O(n), microseconds when they share
-/// next to nothing.
+/// Sets aside what A and B, in canonical order, share. Nothing where that would not pay or not do: they share little,
+/// one of them has nothing else, their extents differ, or one has two heights at a place. O(n), microseconds when they
+/// share next to nothing.
 std::optional<Divided> divide(const Tin& a, const Tin& b);
 
 /// The overlay of A and B from that of the rests, which must not have moved or merged any vertex (empty when nothing is

@@ -62,7 +62,8 @@ TEST(shared_faces, surfaces_with_little_in_common_or_two_heights_at_a_place_are_
   EXPECT_FALSE(divide(t, canonical(random_terrain(250, 2))));
   EXPECT_FALSE(divide(t, canonical(shifted(t, 1, 0))));
   EXPECT_FALSE(divide(t, Tin{}));
-  const Tin torn = canonical(Tin{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {{0, 1, 2}, {3, 5, 4}}});
+  const Tin torn =
+      canonical(Tin{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {{0, 1, 2}, {3, 5, 4}}});
   EXPECT_FALSE(divide(torn, torn));
 }
 
