@@ -124,8 +124,10 @@ class Builder {
     }
     Walked& all = walked[0];
     extend(all, offset[ranges], out_.first_crossing);
-    parallel_tasks(context_, ranges - 1,
-                   [&](std::size_t i) { append(all, offset[i + 1], walked[i + 1], out_.first_crossing); });
+    parallel_tasks(context_, (ranges - 1) * walked_parts, [&](std::size_t i) {
+      const std::size_t r = i / walked_parts + 1;
+      append(all, offset[r], walked[r], out_.first_crossing, static_cast<int>(i % walked_parts));
+    });
     take(std::move(walked));
   }
 

@@ -337,21 +337,27 @@ void extend(Walked& all, const WalkedOffset& total, Index first_vertex) {
   for (auto& z : all.heights) z.resize(vertices);
 }
 
-void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex) {
+void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex, int part) {
   const auto moved = [](const Array<Index>& from, Array<Index>& to, Index offset, Index by) {
     for (std::size_t i = 0; i < from.size(); ++i) to[offset + i] = from[i] == none ? none : from[i] + by;
   };
   const Index vertices = first_vertex + at.vertices;
-  moved(more.first, all.first, at.edges, at.nodes);
-  moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);
-  moved(more.node_of_crossing, all.node_of_crossing, at.vertices, at.nodes);
-  std::copy(more.nodes.begin(), more.nodes.end(), all.nodes.begin() + at.nodes);
-  std::copy(more.under.begin(), more.under.end(), all.under.begin() + at.nodes);
-  std::copy(more.along_b.begin(), more.along_b.end(), all.along_b.begin() + static_cast<std::ptrdiff_t>(at.crossings));
   const std::size_t count = more.node_of_crossing.size();
-  std::copy_n(more.points.begin(), count, all.points.begin() + vertices);
-  for (int m = 0; m < 2; ++m) std::copy_n(more.heights[m].begin(), count, all.heights[m].begin() + vertices);
-  for (auto& [place, node] : more.touched) node += at.nodes;
+  if (part == 0) {
+    moved(more.first, all.first, at.edges, at.nodes);
+    std::copy(more.nodes.begin(), more.nodes.end(), all.nodes.begin() + at.nodes);
+    std::copy(more.under.begin(), more.under.end(), all.under.begin() + at.nodes);
+    for (auto& [place, node] : more.touched) node += at.nodes;
+  } else if (part == 1) {
+    moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);
+    moved(more.node_of_crossing, all.node_of_crossing, at.vertices, at.nodes);
+    std::copy(more.along_b.begin(), more.along_b.end(),
+              all.along_b.begin() + static_cast<std::ptrdiff_t>(at.crossings));
+  } else if (part == 2) {
+    std::copy_n(more.points.begin(), count, all.points.begin() + vertices);
+  } else {
+    for (int m = 0; m < 2; ++m) std::copy_n(more.heights[m].begin(), count, all.heights[m].begin() + vertices);
+  }
 }
 
 Walked walk_edges(const Arrangement& arrangement, Refinement refinement, const WalkRange& range, std::size_t most,

@@ -28,10 +28,12 @@ struct WalkedOffset {
   WalkedOffset after(const Walked& walked) const;
 };
 
-/// Makes room for all that was found, and copies what a later range found to its place there; the numbers it keeps in
-/// `more` itself follow.
+/// Makes room for all that was found.
 void extend(Walked& all, const WalkedOffset& total, Index first_vertex);
-void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex);
+/// Copies one of the parts, about equal in bytes, of what a later range found to its place there; the numbers it keeps
+/// in `more` itself follow.
+inline constexpr int walked_parts = 4;
+void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex, int part);
 
 struct WalkRange {
   Index begin, end;

@@ -115,10 +115,13 @@ Traced trace_all(const Arrangement& arrangement, Refinement refinement, Context&
   }
   all.count = offset.back();
   all.make_room(0);
-  parallel_tasks(context, sinks.size() - 1, [&](std::size_t i) {
-    const Traced& sink = sinks[i + 1];
-    std::copy_n(sink.faces.begin(), sink.count, all.faces.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
-    std::copy_n(sink.parents.begin(), sink.count, all.parents.begin() + static_cast<std::ptrdiff_t>(offset[i + 1]));
+  parallel_tasks(context, 2 * (sinks.size() - 1), [&](std::size_t i) {
+    const std::size_t s = i / 2 + 1;
+    const auto at = static_cast<std::ptrdiff_t>(offset[s]);
+    if (i % 2 == 0)
+      std::copy_n(sinks[s].faces.begin(), sinks[s].count, all.faces.begin() + at);
+    else
+      std::copy_n(sinks[s].parents.begin(), sinks[s].count, all.parents.begin() + at);
   });
   return std::move(all);
 }
