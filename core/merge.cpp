@@ -55,6 +55,7 @@ class Step {
   Piece run(RoundingReport& report, Context& context) {
     OverlayOptions options;
     options.refinement = any_order(policy_) ? Refinement::full : Refinement::paste;
+    options.in_order = false;
     overlay_ = overlay(as_tin(near_), as_tin(tile_), options, context);
     if (policy_ == Overlap::min || policy_ == Overlap::max)
       overlay_ = split_where_surfaces_cross(std::move(overlay_), context);

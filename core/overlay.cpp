@@ -199,7 +199,8 @@ Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Conte
   if (resolved.snap < 0) resolved.snap = four_ulp(a, b);
   Overlay result;
   bool as_given = false;
-  if (const auto divided = options.refinement == Refinement::full ? divide(a, b) : std::nullopt) {
+  const bool divisible = options.refinement == Refinement::full && options.in_order;
+  if (const auto divided = divisible ? divide(a, b) : std::nullopt) {
     as_given = true;
     if (!divided->rest[0].faces.empty())
       result = refine(divided->rest[0], divided->rest[1], resolved, context, as_given);

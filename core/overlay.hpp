@@ -21,6 +21,8 @@ struct OverlayOptions {
   /// Mutually nearest vertices of A and B within this distance become one (A's place is kept). DEFAULT: 4 ulp of the
   /// largest coordinate. 0 switches it off.
   double snap = -1;
+  /// Both are in canonical order; else faces that both have are not set aside (core/shared_faces).
+  bool in_order = true;
 };
 
 /// What rounding did, published with every result. Distances in plan, in coordinate units.
@@ -62,10 +64,10 @@ struct Overlay {
 ///     parents.
 ///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before
 ///  canonical().
-/// Precondition: both are valid and in canonical order, as checked() returns them (core/validate). Walls are looked
-/// through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time and memory
-/// grow with input + output. Throws Error{input, "rounding"} naming the place when the promise cannot be kept. See Jiao
-/// & Heath (2004) for the edge walk, and core/rounding.hpp.
+/// Precondition: both are valid and, unless said otherwise, in canonical order, as checked() returns them. Walls are
+/// looked through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time and
+/// memory grow with input + output. Throws Error{input, "rounding"} naming the place when the promise cannot be kept.
+/// See Jiao & Heath (2004) for the edge walk, and core/rounding.hpp.
 Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context);
 
 }  // namespace terrane

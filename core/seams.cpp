@@ -134,7 +134,7 @@ class Jumps {
 std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& context) {
   const Tin near_a = near_faces(a, widened(bounds(b))), near_b = near_faces(b, widened(bounds(a)));
   if (near_a.faces.empty() || near_b.faces.empty()) return std::nullopt;
-  const Overlay overlaid = overlay(near_a, near_b, {}, context);
+  const Overlay overlaid = overlay(near_a, near_b, {.in_order = false}, context);
   const std::vector<LinearPiece> pieces = differences(overlaid);
   SeamPair pair;
   Sum area;

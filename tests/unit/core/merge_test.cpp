@@ -201,6 +201,18 @@ TEST(Merge, AnEdgeThatATileRoundsPassesNoVertexBesideIt) {
   }
 }
 
+TEST(Merge, TilesThatShareMostOfTheirFaces) {
+  const std::vector<Point> v{{9, 14, 1},  {21, 47, -1}, {9, 59, -3}, {17, 73, 3}, {2, 94, -2}, {2, 96, -3},
+                             {58, 55, 0}, {58, 64, 2},  {56, 94, 2}, {72, 97, 1}, {89, 34, 3}, {67, 4, 2}};
+  const std::vector<Tin> tiles{
+      canonical(Tin{v, {{0, 1, 3}, {0, 2, 4}, {0, 6, 7}, {0, 11, 6}, {5, 8, 9}, {8, 11, 9}, {9, 11, 10}}}),
+      canonical(Tin{v, {{0, 2, 4}, {0, 6, 7}, {0, 11, 6}, {5, 8, 9}, {9, 11, 10}}})};
+  for (const Overlap overlap : {Overlap::min, Overlap::mean}) {
+    Context context;
+    EXPECT_EQ(support::broken_promises(tiles, {overlap, {}}, merge(tiles, {overlap, {}}, context)), "");
+  }
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
