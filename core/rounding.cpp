@@ -80,7 +80,8 @@ KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::
   mend_greedily(editor, bad_faces(editor), place, distance, bound);
   if (bad_faces(editor).empty() && (!distance || call_labels_back(editor, distance, bound) <= bound)) return moves;
   editor.undo({});
-  const KineticMoves all = move_kinetically(editor, bad, place, context);
+  // Rounded places that were moved stay moved, and other faces may be bad there.
+  const KineticMoves all = move_kinetically(editor, bad_faces(editor), place, context);
   return {all.vertices, all.shift + moves.shift};
 }
 
