@@ -244,6 +244,26 @@ TEST(Merge, WhereAPlaceIsRoundedAnewTheFacesBesideItAreMendedToo) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, AFaceMayGetBackALabelThatNoOtherHasAnyMore) {
+  const Tin a{{{499999.99999999988, 4500000.0000000009, -2}, {500000.19999999995, 4500000.1999999983, 0},
+               {500000.20000000001, 4499999.9999999991, 1}, {500000.39999999991, 4500000.0000000019, -1},
+               {500000.79999999999, 4499999.9999999981, -2}, {500001.00000000006, 4500000.1999999983, -1},
+               {500001.00000000006, 4499999.9999999991, 3}},
+              {{0, 2, 1}, {1, 2, 3}, {4, 6, 5}}};
+  const Tin b{{{500000, 4500000, 7}, {500000.48403949995, 4500000.0158437844, 7}, {500001, 4500000, 7}},
+              {{0, 2, 1}}};
+  const auto corner = [](double z) {
+    return Tin{{{500000.20000000001, 4500000, z}, {500000.20000000001, 4500000.2000000002, z - 1},
+                {500000.40000000002, 4500000, z - 2}},
+               {{0, 2, 1}}};
+  };
+  std::vector<Tin> tiles{corner(0), corner(0), corner(1), a, b, corner(-1.5)};
+  for (Tin& tile : tiles) tile = canonical(tile);
+  const MergeOptions options{Overlap::max, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
