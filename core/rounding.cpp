@@ -43,24 +43,33 @@ double spill(const MeshEditor& editor, const Distance& distance, Index f, Index 
   return largest;
 }
 
-/// A row of flips hands a label on from face to face: one that it has carried too far gets the nearest label of
-/// the faces around it. Returns the largest spill that is left.
-double call_labels_back(MeshEditor& editor, const Distance& distance, double bound) {
-  double largest = 0;
+/// Adds the faces around those given.
+void widen(const MeshEditor& editor, std::vector<Index>& faces) {
   std::vector<Index> around;
+  for (std::size_t i = 0, n = faces.size(); i < n; ++i)
+    for (const Index v : editor.mesh().faces[faces[i]]) {
+      editor.star(v, around);
+      faces.insert(faces.end(), around.begin(), around.end());
+    }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+}
+
+/// A row of flips hands a label on from face to face: one that it has carried too far gets the nearest label that the
+/// faces around it have, or had `before`: no face may have it any more. Returns the largest spill that is left.
+double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound) {
+  double largest = 0;
   for (Index f : changed_faces(editor)) {
     double here = spill(editor, distance, f, editor.mesh().labels[f]);
-    if (here > bound) {
-      const Face corners = editor.mesh().faces[f];
-      for (Index v : corners) {
-        editor.star(v, around);
-        for (Index g : around) {
-          const Index label = editor.mesh().labels[g];
+    std::vector<Index> near{f};
+    for (int ring = 0; here > bound && ring < 4; ++ring) {
+      widen(editor, near);
+      for (const Index g : near)
+        for (const Index label : {editor.mesh().labels[g], before[g]}) {
           if (label == none) continue;
           const double there = spill(editor, distance, f, label);
           if (there < here) here = there, editor.relabel(f, label);
         }
-      }
     }
     largest = std::max(largest, here);
   }
@@ -71,16 +80,19 @@ double call_labels_back(MeshEditor& editor, const Distance& distance, double bou
 /// once where these clusters are no exception. Kinetic moves need the mesh as it was, since exact places are valid in
 /// that one only.
 KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
-                  const std::function<double(Index, Point2)>& distance, double bound, Context& context) {
+                  const std::function<double(Index, Point2)>& distance, double bound, const Array<Index>& before,
+                  Context& context) {
   const std::vector<Index> hard = mend_greedily(editor, bad, place, distance, bound);
   if (hard.empty()) return {};
   editor.undo({});
   if (hard.size() > bad.size() / 4) return move_kinetically(editor, bad, place, context);
   const KineticMoves moves = move_kinetically(editor, hard, place, context);
   mend_greedily(editor, bad_faces(editor), place, distance, bound);
-  if (bad_faces(editor).empty() && (!distance || call_labels_back(editor, distance, bound) <= bound)) return moves;
+  if (bad_faces(editor).empty() && (!distance || call_labels_back(editor, before, distance, bound) <= bound))
+    return moves;
   editor.undo({});
-  const KineticMoves all = move_kinetically(editor, bad, place, context);
+  // Rounded places that were moved stay moved, and other faces may be bad there.
+  const KineticMoves all = move_kinetically(editor, bad_faces(editor), place, context);
   return {all.vertices, all.shift + moves.shift};
 }
 
@@ -144,10 +156,11 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
     result.report.max_move = std::max(result.report.max_move, bound);
   }
   MeshEditor editor(mesh);
+  const Array<Index> before = mesh.labels;
   const double bound = 3 * result.report.max_move;
   const std::vector<Index> bad = bad_faces(editor);
   if (!bad.empty()) {
-    const KineticMoves moves = mend(editor, bad, place, distance, bound, context);
+    const KineticMoves moves = mend(editor, bad, place, distance, bound, before, context);
     result.report.kinetic = moves.vertices;
     result.report.max_move += moves.shift;
     if (const std::vector<Index> left = bad_faces(editor); !left.empty()) {
@@ -161,7 +174,7 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
     }
     if (distance) result.report.lost = keep_input_vertices(editor, place, distance, bound);
   }
-  if (distance) result.report.max_spill = call_labels_back(editor, distance, 3 * result.report.max_move);
+  if (distance) result.report.max_spill = call_labels_back(editor, before, distance, 3 * result.report.max_move);
   result.relabelled = changed_faces(editor);
   result.report.merges = editor.merges();
   result.report.flips = editor.flips();
