@@ -85,7 +85,6 @@ class Greedy {
       const double l = std::hypot(q.x - p.x, q.y - p.y);
       if (l > length) length = l, longest = k;
     }
-    if (mesh.neighbours[f][longest] == none) return editor_.trim(f, longest);  // a sliver of the border, an ulp thick
     MeshEditor::Quad quad;
     if (!editor_.quad(f, longest, quad)) return false;
     const auto positive = [&](Index a, Index b, Index c) {

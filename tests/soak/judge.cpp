@@ -45,10 +45,14 @@ std::string wrong_with_difference(const Tin& a, const Tin& b, Context& context) 
     volume_truth += cell.volume, area += cell.area, border += cell.perimeter;
     measuring += 1e-17 * cell.perimeter * cell.perimeter;  // of long doubles
   }
-  double outline = 0;  // of B, which snapping moves over places that the two do not share
-  const support::PlanMesh mesh = support::plan_mesh(b);
-  for (const auto& [u, v] : support::border_of(mesh.faces))
-    outline += std::hypot(mesh.points[u].x - mesh.points[v].x, mesh.points[u].y - mesh.points[v].y);
+  double outline = 0;  // of the one that snapping moves, over places that the two do not share as well
+  for (const Tin* tin : {&a, &b}) {
+    const support::PlanMesh mesh = support::plan_mesh(*tin);
+    double length = 0;
+    for (const auto& [u, v] : support::border_of(mesh.faces))
+      length += std::hypot(mesh.points[u].x - mesh.points[v].x, mesh.points[u].y - mesh.points[v].y);
+    outline = std::max(outline, length);
+  }
   for (const Tin* tin : {&a, &b})
     for (const Point& p : tin->vertices) highest = std::max(highest, std::fabs(p.z));
   double allowed = (2 * reach * border + 2 * report.max_snap * outline + 1e-15 * area + measuring) * highest;

@@ -264,6 +264,29 @@ TEST(Merge, AFaceMayGetBackALabelThatNoOtherHasAnyMore) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, AZeroPointOfAJumpPassesNoBorder) {
+  const Tin a{{{333333.5034108957, 5000001.1421637712, 2}, {333333.71122110734, 5000001.182687711, -3},
+               {333333.78438707138, 5000001.196955408, 0}, {333333.90254868194, 5000001.219997461, -3},
+               {333333.9665195854, 5000001.2324720789, 3}},
+              {{0, 4, 1}, {1, 3, 2}, {1, 4, 3}}};
+  const Tin b{{{333333.71122110734, 5000001.182687711, -3}, {333333.89916711306, 5000001.2193380399, 3},
+               {333333.90254868194, 5000001.219997461, -3}},
+              {{0, 2, 1}}};
+  const Tin c{{{333333.82331151399, 5000001.1936258646, -3}, {333333.70999509783, 5000001.2246103063, -1},
+               {333333.67939447728, 5000001.2329775253, 1}, {333333.52616554138, 5000001.2748753643, 0},
+               {333333.49927433475, 5000001.2822283059, 0}, {333333.46960586164, 5000001.2903406443, -2},
+               {333334.20317409333, 5000001.0897589186, -3}},
+              {{0, 2, 1}, {0, 6, 2}, {3, 5, 4}}};
+  const Tin d{{{333333.29999999999, 5000000.7000000002, 46.69870630888596},
+               {333333.29999999999, 5000001.7000000002, -173.12589236125075},
+               {333334.29999999999, 5000000.7000000002, 2.1484652679560265}},
+              {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(a), canonical(b), canonical(c), canonical(d)};
+  const MergeOptions options{Overlap::min, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
