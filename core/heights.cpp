@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/mended_heights.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
@@ -52,7 +51,7 @@ double FaceHeights::at(Index face, Index vertex, Point2 p) const {
   return height_on_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])}, {z(face, 0), z(face, 1), z(face, 2)}, p);
 }
 
-double FaceHeights::error(Index face, double max_move) const {
+HeightError FaceHeights::error(Index face, double max_move) const {
   const Index* c = mesh_.links[face].corner;
   return height_error({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])}, {z(face, 0), z(face, 1), z(face, 2)}, max_move);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/arrangement.hpp"
+#include "core/mended_heights.hpp"
 
 namespace terrane {
 
@@ -17,7 +18,7 @@ class FaceHeights {
   /// At a vertex that lies at `p`, as the given real face of the completed mesh has it.
   double at(Index face, Index vertex, Point2 p) const;
   /// See height_error.
-  double error(Index face, double max_move) const;
+  HeightError error(Index face, double max_move) const;
   /// Distance in plan from a point to a real face.
   double distance(Index face, Point2 p) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -9,10 +10,19 @@
 
 namespace terrane {
 
-/// The heights of a surface at the corners of a face, and how far they may be off.
+/// How far heights on a triangle may be off from those beside it, and between which ones they lie: a cliff an ulp wide
+/// may have any of its own at a vertex that was rounded, but none above or below them.
+struct HeightError {
+  double error, low, high;
+  bool covers(double own, double other) const {
+    return std::fabs(own - other) <= error && low <= other && other <= high;
+  }
+};
+
+/// The heights of a surface at the corners of a face.
 struct OwnHeights {
   double z[3];
-  double error;
+  HeightError error;
 };
 
 /// Gives the faces that mending changed, all of them on the surface, the heights at their corners. `z`: per vertex; NaN
@@ -24,6 +34,6 @@ bool mend_heights(const Array<Face>& faces, const std::vector<Index>& changed,
 
 /// By how much a height on a triangle may differ from that of a triangle beside it because their vertices were rounded
 /// by `max_move`. That one may be many times as steep, and lie beyond others.
-double height_error(const Point2 (&corners)[3], const double (&z)[3], double max_move);
+HeightError height_error(const Point2 (&corners)[3], const double (&z)[3], double max_move);
 
 }  // namespace terrane
