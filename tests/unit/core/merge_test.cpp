@@ -287,6 +287,18 @@ TEST(Merge, AZeroPointOfAJumpPassesNoBorder) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, ACrossingBesideAnEqualTilesBorderPassesNoBorder) {
+  const Tin a{{{0, 2500, 877.16792691654689},
+               {1029.6762422617167, 7392.8281020409649, 459},
+               {1047.7530186050089, 7388.9890173740514, 180.66534251346224}},
+              {{0, 2, 1}}};
+  const Tin b{{{-1000, 3500, 0}, {-1000, 5500, 0}, {1000, 5500, 0}}, {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(a), canonical(b), canonical(a)};
+  const MergeOptions options{Overlap::max, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
