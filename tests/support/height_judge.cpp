@@ -158,4 +158,12 @@ double HeightJudge::steepness(Point2 p, double radius) const {
   return slope;
 }
 
+double HeightJudge::largest(Point2 p, double radius) const {
+  double z = 0;
+  for (std::size_t i = 0; i < faces_.size(); ++i)
+    if (near(i, p, radius))
+      for (const Index v : tin_.faces[faces_[i]]) z = std::max(z, std::fabs(tin_.vertices[v].z));
+  return z;
+}
+
 }  // namespace terrane::support

@@ -32,6 +32,9 @@ class HeightJudge {
   /// The slope of the steepest face that lies within `radius` of p.
   double steepness(Point2 p, double radius) const;
 
+  /// The largest height, either way, at the corners of the faces that lie within `radius` of p.
+  double largest(Point2 p, double radius) const;
+
  private:
   /// Narrowed by `doubt`, the error of long doubles.
   Range quick(std::size_t i, Point2 p, double radius, double& doubt) const;

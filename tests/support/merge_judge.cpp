@@ -127,9 +127,9 @@ class Judge {
         if (!r.found) continue;
         z.push_back({r.low, r.high});
         may_be_out.push_back(judge.at_border(plan(p), radius));
-        largest = std::max({largest, std::fabs(r.low), std::fabs(r.high)});
+        largest = std::max(largest, judge.largest(plan(p), radius));
       }
-      // Welding closes jumps of up to 1e-9 of the height; every fold rounds.
+      // Welding closes jumps of up to 1e-9 of the height at a corner, and tilts the face; every fold rounds.
       const double slack = steps_ * (1e-9 * std::max(1.0, largest) + 1e-15 * steps_ * largest);
       bool right = false;
       for (unsigned out = 0; out < 1u << z.size() && !right; ++out) {

@@ -299,6 +299,24 @@ TEST(Merge, ACrossingBesideAnEqualTilesBorderPassesNoBorder) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, AWeldedCornerTiltsItsFaceByNoMoreThanWasWelded) {
+  // The border of the second tile runs half a nanometre above the first one's, to where both are 151 high; the third
+  // one crosses the first where that is 0.
+  const Tin a{{{0, 0.25, -135.1076883591991}, {0.5, 0.75, 53}, {0.5, 0.25, 151.14007579166264}}, {{0, 2, 1}}};
+  const Tin b{{{0, 0.25, 0},
+               {0.5, 0.25000000049999999, 151.14007579166264},
+               {0.50000000050000004, -0.24999999950000001, 0}},
+              {{0, 2, 1}}};
+  const Tin c{{{0.23333333333333331, 0.45833333333333337, 0},
+               {0.34999999999999998, 0.57499999999999996, 0},
+               {0.34999999999999998, 0.45833333333333337, 0}},
+              {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(a), canonical(b), canonical(c)};
+  const MergeOptions options{Overlap::min, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
