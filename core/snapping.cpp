@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
@@ -18,11 +19,22 @@ class Vicinity {
  public:
   Vicinity(const CompletedMesh& a, double tolerance) : a_(a), tolerance_(tolerance) {}
 
+  /// Is q, in the face, certainly farther from its sides than the tolerance?
+  bool deep_inside(Index face, Point2 q) const {
+    for (int k = 0; k < 3; ++k) {
+      const Point2 from = a_.at(a_.corner(4 * face + k)), to = a_.at(a_.corner(4 * face + (k + 1) % 3));
+      const double ux = to.x - from.x, uy = to.y - from.y;
+      const double l = ux * (q.y - from.y), r = uy * (q.x - from.x);
+      if (l - r <= 2 * tolerance_ * (std::fabs(ux) + std::fabs(uy)) + 1e-15 * (std::fabs(l) + std::fabs(r)))
+        return false;
+    }
+    return true;
+  }
+
   /// Calls visit(place of A, distance) for each place within the tolerance of q.
   template <class Visit>
   void each(Location where, Point2 q, Visit visit) {
     const Index start = face_at(a_, where);
-    if (where.kind == Location::face && deep_inside(start, q)) return;  // nearly always
     if (seen_.empty()) seen_.assign(a_.faces(), 0);
     ++round_;
     faces_.clear();
@@ -58,18 +70,6 @@ class Vicinity {
     return d <= 2 * tolerance_;
   }
 
-  /// Is q, in the face, certainly farther from its sides than the tolerance?
-  bool deep_inside(Index face, Point2 q) const {
-    for (int k = 0; k < 3; ++k) {
-      const Point2 from = a_.at(a_.corner(4 * face + k)), to = a_.at(a_.corner(4 * face + (k + 1) % 3));
-      const double ux = to.x - from.x, uy = to.y - from.y;
-      const double l = ux * (q.y - from.y), r = uy * (q.x - from.x);
-      if (l - r <= 2 * tolerance_ * (std::fabs(ux) + std::fabs(uy)) + 1e-15 * (std::fabs(l) + std::fabs(r)))
-        return false;
-    }
-    return true;
-  }
-
   const CompletedMesh& a_;
   double tolerance_;
   std::vector<Index> faces_, places_;
@@ -101,9 +101,19 @@ Snapped snap_places(const Tin& b, const Box& frame, CompletedMesh completed, con
     return std::hypot(a.at(i).x - mesh.at(j).x, a.at(i).y - mesh.at(j).y);
   };
   Vicinity vicinity(a, tolerance);
+  // Nearly all lie deep inside a face or on a place; the others are looked at one by one.
+  const std::size_t places = static_cast<std::size_t>(mesh.real_places());
+  Array<std::uint8_t> beside(places);
+  parallel_for(context, places, chunk_for(context, places), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t j = begin; j < end; ++j) {
+      const Location& where = result.location[j];
+      beside[j] = where.kind == Location::edge ||
+                  (where.kind == Location::face && !vicinity.deep_inside(where.index, mesh.at(static_cast<Index>(j))));
+    }
+  });
   std::vector<Index> near;  // places of B with a partner
   for (Index j = 0; j < mesh.real_places(); ++j) {
-    if (result.location[j].kind == Location::place) continue;
+    if (!beside[j]) continue;
     double nearest = std::numeric_limits<double>::infinity();
     vicinity.each(result.location[j], mesh.at(j), [&](Index i, double d) {
       if (d < nearest) nearest = d, partner[j] = i;
