@@ -92,8 +92,9 @@ void keep_rest(const Tin& tin, int m, Divided& divided) {
 }  // namespace
 
 std::optional<Divided> divide(const Tin& a, const Tin& b) {
-  if (a.faces.empty() || b.faces.empty() || !(bounds(a) == bounds(b))) return {};
-  const CurveOrder before(bounds(a));
+  const Box extent = bounds(a);
+  if (a.faces.empty() || b.faces.empty() || !(extent == bounds(b))) return {};
+  const CurveOrder before(extent);
   if (!mostly_shared(a, b, before) || has_two_heights(a) || has_two_heights(b)) return {};
   Divided divided;
   divided.partner = partners(a, b, before);

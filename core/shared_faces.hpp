@@ -22,8 +22,8 @@ struct Divided {
 };
 
 /// Sets aside what A and B, in canonical order, share. Nothing where that would not pay or not do: they share little,
-/// one of them has nothing else, their extents differ, or one has two heights at a place. O(n), microseconds when they
-/// share next to nothing.
+/// one of them has nothing else, their extents differ, or one has two heights at a place. O(n); where they share
+/// little, a look at every vertex for the extents and at a few for the rest.
 std::optional<Divided> divide(const Tin& a, const Tin& b);
 
 /// The overlay of A and B from that of the rests, which must not have moved or merged any vertex (empty when nothing is
