@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/pages.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/region_fill.hpp"
@@ -81,7 +82,13 @@ std::vector<Index> add_real_faces(const Tin& tin, const std::vector<Index>& plac
   Array<Index> waiting(mesh.places.size(), none);
   const auto twin = [&](Index h) -> Index& { return mesh.links[h >> 2].twin[h & 3]; };
   bool walls = false;
+  std::size_t stop = 0;
   for (std::size_t f = 0; f < n; ++f) {
+    if (f == stop) {
+      stop = next_stop(f, n);
+      populate(mesh.links, mesh.links.size(), stop);
+      populate(mesh.half, mesh.half.size(), stop * 3 / 2);
+    }
     const Face& face = tin.faces[f];
     const Index corner[3] = {place_of[face[0]], place_of[face[1]], place_of[face[2]]};
     const bool wall = corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0];

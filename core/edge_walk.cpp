@@ -7,6 +7,7 @@
 
 #include "core/crossing_point.hpp"
 #include "core/error.hpp"
+#include "core/pages.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
@@ -38,11 +39,11 @@ class EdgeWalk {
     out_.first.reserve(range_.edges_to_come + 1);
     out_.first.resize(range_.end - range_.begin);
     // Terrain gives 2.5 crossings per edge; memory that is never touched costs nothing.
-    grow_nodes(5 * static_cast<std::size_t>(range_.edges_to_come) + 64);
-    grow_crossings(3 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    resize_nodes(5 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    resize_crossings(3 * static_cast<std::size_t>(range_.edges_to_come) + 64);
     for (Index e = range_.begin; e < range_.end; ++e) {
       if ((e & 0xFFFF) == 0) context_.stop_if_cancelled();
-      if (node_count_ + 64 > node_room_) grow_nodes(2 * node_room_);
+      if (node_count_ + 64 > node_stop_) open_nodes();
       out_.first[e - range_.begin] = static_cast<Index>(node_count_);
       start_line(e);
       if (!paste_ || a_.sides[e] < 2) follow(e);
@@ -60,18 +61,34 @@ class EdgeWalk {
   }
 
  private:
-  void grow_nodes(std::size_t room) {
-    node_room_ = room;
-    out_.nodes.resize(room);
-    out_.under.resize(room);
-    out_.vertex_of_node.resize(room);
+  void open_nodes() {
+    if (node_count_ + 64 > out_.nodes.size()) resize_nodes(2 * out_.nodes.size());
+    node_stop_ = next_stop(node_count_ + 64, out_.nodes.size());
+    populate(out_.nodes, node_count_, node_stop_);
+    populate(out_.under, node_count_, node_stop_);
+    populate(out_.vertex_of_node, node_count_, node_stop_);
   }
-  void grow_crossings(std::size_t room) {
-    crossing_room_ = room;
-    out_.along_b.resize(room);
-    out_.node_of_crossing.resize(room);
-    out_.points.resize(first_vertex_ + room + box_corners);
-    for (auto& z : out_.heights) z.resize(first_vertex_ + room + box_corners);
+  void resize_nodes(std::size_t size) {
+    out_.nodes.resize(size);
+    out_.under.resize(size);
+    out_.vertex_of_node.resize(size);
+  }
+  void open_crossings() {
+    if (crossing_count_ > most_) throw too_many_crossings(most_);
+    if (crossing_count_ == out_.along_b.size()) resize_crossings(2 * crossing_count_);
+    crossing_stop_ = next_stop(crossing_count_, out_.along_b.size());
+    const std::size_t more = crossing_stop_ - crossing_count_;  // at most; not every crossing has a vertex
+    const std::size_t v = vertex_count_ - first_vertex_;
+    populate(out_.along_b, crossing_count_, crossing_stop_);
+    populate(out_.node_of_crossing, v, v + more);
+    populate(out_.points, vertex_count_, vertex_count_ + more);
+    for (auto& z : out_.heights) populate(z, vertex_count_, vertex_count_ + more);
+  }
+  void resize_crossings(std::size_t size) {
+    out_.along_b.resize(size);
+    out_.node_of_crossing.resize(size);
+    out_.points.resize(first_vertex_ + size + box_corners);
+    for (auto& z : out_.heights) z.resize(first_vertex_ + size + box_corners);
   }
 
   Node end_node(int m, Index h) const {
@@ -226,7 +243,7 @@ class EdgeWalk {
     }
 
     for (;;) {
-      if (node_count_ + 2 > node_room_) grow_nodes(2 * node_room_);
+      if (node_count_ + 2 > node_stop_) open_nodes();
       if (at_place != none) {
         const Index v = at_place;
         at_place = none;
@@ -269,10 +286,7 @@ class EdgeWalk {
 
   /// Returns the half-edge on the other side.
   Index cross(const Line& line, const Gate& gate) {
-    if (crossing_count_ == crossing_room_) {
-      if (crossing_count_ > most_) throw too_many_crossings(most_);
-      grow_crossings(2 * crossing_room_);
-    }
+    if (crossing_count_ == crossing_stop_) open_crossings();
     const LinkedFace& face = b_.links[gate.half >> 2];
     const Index g = face.twin[gate.half & 3], edge = face.edge[gate.half & 3], against = edge & 1;
     // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this
@@ -307,7 +321,7 @@ class EdgeWalk {
   std::size_t most_;
   Walked out_;
   Index first_vertex_;
-  std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_room_ = 0, crossing_room_ = 0;
+  std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_stop_ = 0, crossing_stop_ = 0;
   Index ahead_of_a_ = 0;  // how far the last shared half-edge is numbered further in B
   Goal goal_;             // of the edge being followed
 };

@@ -114,7 +114,7 @@ Traced trace_all(const Arrangement& arrangement, Refinement refinement, Context&
     all.all_positive = all.all_positive && sink.all_positive;
   }
   all.count = offset.back();
-  all.make_room(0);
+  if (all.count > all.faces.size()) all.trim();
   parallel_tasks(context, 2 * (sinks.size() - 1), [&](std::size_t i) {
     const std::size_t s = i / 2 + 1;
     const auto at = static_cast<std::ptrdiff_t>(offset[s]);

@@ -7,6 +7,7 @@
 
 #include "core/arrangement.hpp"
 #include "core/convex.hpp"
+#include "core/pages.hpp"
 
 // From the lines of an arrangement to its regions, a range of faces at a time.
 namespace terrane {
@@ -20,6 +21,7 @@ struct GroupedPiece {
 /// What the faces of one range gave.
 struct Traced {
   std::size_t count = 0;  // of faces; until trim() there is room for more
+  std::size_t stop = 0;   // where to ask for more
   Array<Face> faces;
   Array<std::array<Index, 2>> parents;
   std::vector<GroupedPiece> grouped;
@@ -27,11 +29,18 @@ struct Traced {
   bool all_positive = true;
 
   void make_room(std::size_t more) {
-    if (count + more > faces.size()) resize(2 * (count + more) + 64);
+    if (count + more > stop) open(count + more);
   }
   void add(const Face& face, const std::array<Index, 2>& of) {
     faces[count] = face;
     parents[count++] = of;
+  }
+  void open(std::size_t needed) {
+    if (needed > faces.size()) resize(2 * needed + 64);
+    const std::size_t next = next_stop(needed, faces.size());
+    populate(faces, count, next);
+    populate(parents, count, next);
+    stop = next;
   }
   void trim() { resize(count); }
   void resize(std::size_t size) {
