@@ -148,6 +148,7 @@ def conditions(root):
         f'own niceness {os.nice(0)}.']
     if load > 1:
         running, polite = _others_running()
-        lines.append(f'The machine was not idle: of {running} other processes running at that moment {polite} '
-                     f'had lower priority (`nice`). Runs of one comparison took turns, and ratios are of minima.')
+        lines.append(f'The machine was or had just been busy; at that moment {running} other processes were running, '
+                     f'{polite} of them at lower priority (`nice`). Runs of one comparison took turns, and ratios are '
+                     f'of minima.')
     return lines

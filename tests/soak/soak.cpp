@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // terrane-soak [N] [--seed S] [--threads T] [--only SEED] [--output DIR]: makes N random overlays and merges from the
 // seeds S, S + 1, ... and judges every promise on each. A failure prints the seed that makes it again, leaves out faces
-// while it still fails, and writes what is left as OBJ. Exit code 1 when something is wrong.
+// while it still fails, and writes what is left as OBJ. Says on stderr how far it is; stopped by SIGINT or SIGTERM it
+// says what it has done. Exit code 1 when something is wrong.
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -20,6 +22,8 @@
 namespace {
 
 using namespace terrane;
+
+volatile std::sig_atomic_t stopped = 0;
 
 struct Options {
   std::uint64_t count = 1000, seed = 1;
@@ -91,24 +95,29 @@ class Soak {
   explicit Soak(const Options& options) : options_(options) {}
 
   int run() {
+    std::signal(SIGINT, [](int) { stopped = 1; });
+    std::signal(SIGTERM, [](int) { stopped = 1; });
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::thread> workers;
     for (int t = 0; t < options_.threads; ++t) workers.emplace_back([this] { work(); });
     for (std::thread& worker : workers) worker.join();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::printf("%llu overlays in %.1f s: %d wrong, %d refused, regions of %d compared with the exact arrangement\n",
-                static_cast<unsigned long long>(options_.count), seconds, wrong_, refused_, counted_);
+                static_cast<unsigned long long>(done_), seconds, wrong_, refused_, counted_);
     return wrong_ > 0;
   }
 
  private:
   void work() {
-    for (std::uint64_t i; (i = next_++) < options_.count;) {
+    for (std::uint64_t i; !stopped && (i = next_++) < options_.count;) {
       const std::uint64_t seed = options_.seed + i;
       const soak::Case made = soak::make_case(seed);
       const soak::Verdict verdict = soak::judge(made, seed);
       const std::lock_guard lock(mutex_);
       counted_ += verdict.counted;
+      if (++done_ % 10'000 == 0)
+        std::fprintf(stderr, "%llu of %llu, %d wrong, %d refused\n", static_cast<unsigned long long>(done_),
+                     static_cast<unsigned long long>(options_.count), wrong_, refused_);
       if (!verdict.refused.empty()) {
         ++refused_;
         std::printf("seed %llu (%s) REFUSED: %s\n", static_cast<unsigned long long>(seed), made.kind.c_str(),
@@ -136,6 +145,7 @@ class Soak {
   Options options_;
   std::atomic<std::uint64_t> next_ = 0;
   std::mutex mutex_;
+  std::uint64_t done_ = 0;
   int wrong_ = 0, refused_ = 0, counted_ = 0;
 };
 
