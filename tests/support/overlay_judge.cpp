@@ -240,14 +240,45 @@ class Judge {
 
 namespace {
 
-/// B with vertices on those of A that they may have been snapped to: within max_snap, no vertex of B. `choice` numbers
-/// the ways; in the first all go to the nearest that are missing from the result. Others may have been as well, where a
-/// crossing now lies, and missing ones may be lost instead. What is left of `choice` is 0 if there are that many ways.
+/// Which of several each of a row of choices took, where how many there are depends on those before. All first ones to
+/// begin with; next() goes on to the next way, false after the last.
+class Ways {
+ public:
+  std::size_t choose(std::size_t of) {
+    if (at_ == chosen_.size()) chosen_.push_back({0, of});
+    chosen_[at_].of = of;
+    return chosen_[at_++].one;
+  }
+  bool next() {
+    chosen_.resize(at_);
+    at_ = 0;
+    while (!chosen_.empty() && chosen_.back().one + 1 == chosen_.back().of) chosen_.pop_back();
+    if (chosen_.empty()) return false;
+    ++chosen_.back().one;
+    return true;
+  }
+
+ private:
+  struct Choice {
+    std::size_t one, of;
+  };
+  std::vector<Choice> chosen_;
+  std::size_t at_ = 0;
+};
+
+/// B with vertices on those of A that they may have been snapped to: within max_snap, no vertex of B. In the first of
+/// the ways all go to the nearest that are missing from the result. Others may have been as well, where a crossing now
+/// lies, and missing ones may be lost instead.
 struct Guess {
   Tin b;
   std::size_t snapped = 0;  // places
+  bool positive() const {   // snapping leaves all faces so
+    return std::all_of(b.faces.begin(), b.faces.end(), [&](const Face& f) {
+      return is_wall(b, f) || turn(plan(b.vertices[f[0]]), plan(b.vertices[f[1]]), plan(b.vertices[f[2]])) > 0;
+    });
+  }
 };
-Guess snapped_to(std::size_t& choice, const Tin& a, const Tin& b, const Overlay& overlay) {
+Guess snapped_to(Ways& ways, const Tin& a, const Tin& b, const Overlay& overlay) {
   const Places there(overlay.points), of_b(plan_mesh(b).points);
   std::map<Place, Place> target;
   const auto is_taken = [&](Point2 q) {
@@ -266,8 +297,7 @@ Guess snapped_to(std::size_t& choice, const Tin& a, const Tin& b, const Overlay&
           near.emplace_back(d, key(q));
       std::sort(near.begin(), near.end());
       near.insert(there.contains(plan(p)) ? near.begin() : near.end(), {0, from});
-      target[from] = near[choice % near.size()].second;
-      choice /= near.size();
+      target[from] = near[ways.choose(near.size())].second;
       guess.snapped += target[from] != from;
     }
     std::tie(p.x, p.y) = target[from];
@@ -278,7 +308,7 @@ Guess snapped_to(std::size_t& choice, const Tin& a, const Tin& b, const Overlay&
 }  // namespace
 
 Tin as_snapped(const Tin& a, const Tin& b, const Overlay& overlay) {
-  std::size_t nearest = 0;
+  Ways nearest;
   return overlay.rounding.snapped == 0 ? b : snapped_to(nearest, a, b, overlay).b;
 }
 
@@ -288,16 +318,18 @@ std::string broken_promises(const Tin& a, const Tin& b, const OverlayOptions& op
   if (overlay.rounding.snapped == 0)
     return Judge(a, b, options, overlay).judged() + wrong_cover(a, b, options.refinement, overlay);
   // Which vertices were snapped to which is not reported: one of the ways must explain all.
-  std::string first;
-  for (std::size_t n = 0; n < 256; ++n) {
-    std::size_t choice = n;
-    const Guess seen = snapped_to(choice, a, b, overlay);
-    if (choice > 0) break;
-    if (n > 0 && seen.snapped != static_cast<std::size_t>(overlay.rounding.snapped)) continue;
-    const std::string broken =
-        Judge(a, seen.b, options, overlay).judged() + wrong_cover(a, seen.b, options.refinement, overlay);
-    if (broken.empty()) return {};
-    if (n == 0) first = broken;
+  std::string first = "no way to snap as many vertices as reported leaves all faces positive; ";
+  Ways ways;
+  int judged = 0;
+  for (int n = 0; n < 100'000 && judged < 256; ++n) {
+    const Guess guess = snapped_to(ways, a, b, overlay);
+    if (guess.snapped == static_cast<std::size_t>(overlay.rounding.snapped) && guess.positive()) {
+      const std::string broken =
+          Judge(a, guess.b, options, overlay).judged() + wrong_cover(a, guess.b, options.refinement, overlay);
+      if (broken.empty()) return {};
+      if (judged++ == 0) first = broken;
+    }
+    if (!ways.next()) break;
   }
   return first;
 }
