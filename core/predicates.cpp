@@ -62,9 +62,22 @@ double area2_slowly(Point2 a, Point2 b, Point2 c) {
   using Quad = __float128;
   const Quad ql = (Quad(b.x) - a.x) * (Quad(c.y) - a.y), qr = (Quad(b.y) - a.y) * (Quad(c.x) - a.x), qd = ql - qr;
   const Quad size = (ql < 0 ? -ql : ql) + (qr < 0 ? -qr : qr), magnitude = qd < 0 ? -qd : qd;
-  if (magnitude > size * Quad(1e-20) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
+  if (magnitude > size * Quad(1e-17) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
   const double value = CGAL::to_double(area2(a, b, c));
   return value != 0 ? value : sign * std::numeric_limits<double>::denorm_min();
+}
+
+double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
+  const double l = ux * vy, r = uy * vx, d = l - r;
+  const double lost_ux = difference_tail(b.x, a.x, ux), lost_uy = difference_tail(b.y, a.y, uy);
+  const double lost_vx = difference_tail(c.x, a.x, vx), lost_vy = difference_tail(c.y, a.y, vy);
+  // But for what these lose: 1e-30 of the products.
+  const double lost_l = product_tail(ux, vy, l) + ux * lost_vy + lost_ux * vy;
+  const double lost_r = product_tail(uy, vx, r) + uy * lost_vx + lost_uy * vx;
+  const double area = d + (difference_tail(l, r, d) + (lost_l - lost_r));
+  const double size = std::fabs(l) + std::fabs(r);
+  return std::fabs(area) > 1e-13 * size && std::fabs(area) > 1e-250 && size < 1e280 ? area : area2_slowly(a, b, c);
 }
 
 double area2_magnified(Point2 a, Point2 b, Point2 c) {

@@ -40,6 +40,9 @@ inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
   return area2_slowly(a, b, c);
 }
 
+/// The same with a relative error of 3e-16; several times slower on well-shaped triangles.
+double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c);
+
 /// Areas whose sum is below this are compared magnified: doubles near the smallest one have few digits.
 constexpr double tiny_area = 1e-280;
 

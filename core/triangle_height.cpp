@@ -39,6 +39,13 @@ double height_on_border(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
   return height;
 }
 
+/// Is the triangle so thin, askew in its box, that doubles leave its areas few digits?
+bool is_askew(const Point2 (&c)[3], double area2) {
+  const double width = std::max({c[0].x, c[1].x, c[2].x}) - std::min({c[0].x, c[1].x, c[2].x});
+  const double height = std::max({c[0].y, c[1].y, c[2].y}) - std::min({c[0].y, c[1].y, c[2].y});
+  return width * height > 4 * area2;
+}
+
 }  // namespace
 
 double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) {
@@ -47,6 +54,9 @@ double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) 
   double total = w[0] + w[1] + w[2];
   if (total < tiny_area) {
     for (int k = 0; k < 3; ++k) w[k] = area2_magnified(c[(k + 1) % 3], c[(k + 2) % 3], p);
+    total = w[0] + w[1] + w[2];
+  } else if (is_askew(c, total)) {
+    for (int k = 0; k < 3; ++k) w[k] = area2_to_the_last_digit(c[(k + 1) % 3], c[(k + 2) % 3], p);
     total = w[0] + w[1] + w[2];
   }
   // Relative to the heaviest corner: a level face stays level to the last bit.
