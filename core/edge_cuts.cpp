@@ -6,6 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/exterior.hpp"
+#include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
@@ -224,10 +226,26 @@ class Cutter {
   Index first_triangle_ = none;    // where the first triangle of a split face goes
 };
 
+/// Does rounding turn a face over, or may it have moved the border? Then what lies beyond that, an ulp away perhaps,
+/// has a say in where vertices can go.
+bool may_pass_the_border(const CutMesh& cut) {
+  const PlanarMesh& mesh = cut.mesh;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const Face& c = mesh.faces[f];
+    for (int k = 0; k < 3; ++k) {
+      if (c[k] < cut.first_made) continue;
+      if (mesh.neighbours[f][(k + 1) % 3] == none || mesh.neighbours[f][(k + 2) % 3] == none) return true;
+      if (orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]) <= 0) return true;
+    }
+  }
+  return false;
+}
+
+/// Leaves out dead faces and the exterior.
 void drop_dead(PlanarMesh& mesh) {
   std::size_t n = 0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (mesh.faces[f][0] == none) continue;
+    if (mesh.faces[f][0] == none || mesh.labels[f] == none) continue;
     mesh.faces[n] = mesh.faces[f];
     mesh.labels[n++] = mesh.labels[f];
   }
@@ -239,6 +257,7 @@ void drop_dead(PlanarMesh& mesh) {
 }  // namespace
 
 CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chords, Context& context) {
+  const Array<Face> before = mesh.faces;
   CutMesh cut;
   cut.mesh = std::move(mesh);
   cut.mesh.labels.resize(cut.mesh.faces.size());
@@ -247,14 +266,23 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
   cutter.run();
   connect(cut.mesh);
   // Rounding asks for exact places while it changes the mesh; the ends of the edges are input and stay where they are.
+  const Index vertices = static_cast<Index>(cut.mesh.points.size());
   const auto place = [&](Index v) {
-    if (v >= cut.first_made) return cutter.place(cut.made[v - cut.first_made]);
+    if (v >= cut.first_made && v < vertices) return cutter.place(cut.made[v - cut.first_made]);
     ExactPlace at;
     at.p = cut.mesh.points[v];
     return at;
   };
-  cut.rounded = round_and_verify(cut.mesh, place, context);
+  const auto distance = [&](Index label, Point2 p) {
+    if (label == none) return 0.0;
+    const Face& c = before[label];
+    return distance_to_triangle({cut.mesh.points[c[0]], cut.mesh.points[c[1]], cut.mesh.points[c[2]]}, p);
+  };
+  if (may_pass_the_border(cut)) add_exterior(cut.mesh, place);
+  cut.rounded = round_and_verify(cut.mesh, place, context, distance);
   drop_dead(cut.mesh);
+  cut.mesh.points.resize(vertices);
+  cut.rounded.merged_into.resize(vertices);
   connect(cut.mesh);
   return cut;
 }

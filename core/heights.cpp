@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/parallel.hpp"
-#include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
@@ -57,16 +55,8 @@ HeightError FaceHeights::error(Index face, double max_move) const {
 }
 
 double FaceHeights::distance(Index face, Point2 p) const {
-  double best = std::numeric_limits<double>::infinity();
-  bool inside = true;
-  for (int k = 0; k < 3; ++k) {
-    const Point2 a = mesh_.at(mesh_.corner(4 * face + k)), b = mesh_.at(mesh_.corner(4 * face + (k + 1) % 3));
-    inside = inside && orientation(a, b, p) >= 0;
-    double d;
-    nearest_on_segment(a, b, p, d);
-    best = std::min(best, d);
-  }
-  return inside ? 0 : best;
+  const Index* c = mesh_.links[face].corner;
+  return distance_to_triangle({mesh_.at(c[0]), mesh_.at(c[1]), mesh_.at(c[2])}, p);
 }
 
 }  // namespace terrane

@@ -46,10 +46,7 @@ class Kinetic {
     double shift = 0;
     for (Index v : todo) {
       if (!alive(v)) continue;
-      const double beside = place_(v).kind == ExactPlace::lattice ? 0 : move_beside(v);
-      shift = std::max(shift, beside);
-      trims_ = beside == 0;
-      if (trims_) move(v);
+      if (place_(v).kind != ExactPlace::lattice) shift = std::max(shift, move_beside(v));
     }
     return {count, shift};
   }
@@ -142,9 +139,7 @@ class Kinetic {
     return back();
   }
 
-  /// Flips the edge opposite the middle vertex of one flat face, or takes the face away where it is the border's, but
-  /// only where nothing else helps: what lies beyond an open border is not known here. Faces around a vertex that is
-  /// about to be merged wait.
+  /// Flips the edge opposite the middle vertex of one flat face. Faces around a vertex that is about to be merged wait.
   bool flip_one(const Leg& leg, Index meets) {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       const Event& e = events_[i];
@@ -152,10 +147,6 @@ class Kinetic {
       MeshEditor::Quad quad;
       const int k = alignments_[i].middle;
       if (k == none) continue;
-      if (editor_.mesh().neighbours[e.face][k] == none) {  // a sliver of an open border
-        if (trims_ && editor_.trim(e.face, k)) return true;
-        continue;
-      }
       if (!editor_.quad(e.face, k, quad) || !leg.positive(e, {quad.u, quad.p, quad.w}) ||
           !leg.positive(e, {quad.u, quad.w, quad.q}))
         continue;
@@ -177,7 +168,6 @@ class Kinetic {
   MeshEditor& editor_;
   const std::function<ExactPlace(Index)>& place_;
   KineticPlaces places_;
-  bool trims_ = false;  // a vertex may pass an open border
   std::vector<Index> star_;
   std::vector<Event> events_;
   std::vector<Alignment> alignments_;

@@ -18,10 +18,9 @@ struct KineticMoves {
 /// exact places, where all faces are positive, and moves them one by one, the one with the shortest way first (in doubt
 /// the lower number), to their rounded places. The first face to become flat on the way is an edge flip when its middle
 /// vertex lies inside the opposite edge, a merge when two vertices meet at the end, and a detour by a waypoint when
-/// they meet on the way; a vertex that no detour brings there gets a new rounded place, up to 3 ulp beside; one without
-/// any may pass an open border, and the face it closes is taken away. Signs and the order of events are exact: nothing
-/// is guessed. Ends: exact places are valid, and a vertex on a segment meets finitely many collinearities. Faces it
-/// could not mend stay bad. About 5 us a vertex.
+/// they meet on the way; a vertex that no detour brings there gets a new rounded place, up to 3 ulp beside. Signs and
+/// the order of events are exact: nothing is guessed. Ends: exact places are valid, and a vertex on a segment meets
+/// finitely many collinearities. Faces it could not mend stay bad. About 5 us a vertex.
 KineticMoves move_kinetically(MeshEditor& editor, const std::vector<Index>& bad,
                               const std::function<ExactPlace(Index)>& place, Context& context);
 

@@ -123,21 +123,6 @@ bool MeshEditor::merge(Index f, int k, Index keep) {
   return true;
 }
 
-bool MeshEditor::trim(Index f, int k) {
-  const Index corner = mesh_.faces[f][k];
-  star(corner, scratch_[0]);
-  for (Index h : scratch_[0]) {
-    const int c = corner_of(h, corner);
-    if (mesh_.neighbours[h][(c + 1) % 3] == none || mesh_.neighbours[h][(c + 2) % 3] == none) return false;
-  }
-  const Index beside[2] = {mesh_.neighbours[f][(k + 1) % 3], mesh_.neighbours[f][(k + 2) % 3]};
-  for (Index g : beside) relink(g, f, none);
-  save(f);
-  mesh_.faces[f] = {none, none, none};
-  for (Index g : beside) anchor(g);
-  return true;
-}
-
 void MeshEditor::undo(Mark mark) {
   flips_ = mark.flips;
   std::vector<Index> touched;

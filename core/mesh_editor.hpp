@@ -33,10 +33,6 @@ class MeshEditor {
   /// mesh.
   bool merge(Index f, int k, Index keep);
 
-  /// Takes away face f, whose edge opposite corner k is on the border: the border then runs through that corner. False
-  /// when the corner is on the border already, where the mesh would come apart.
-  bool trim(Index f, int k);
-
   void relabel(Index f, Index label) {
     save(f);
     mesh_.labels[f] = label;

@@ -35,19 +35,6 @@ Box frame_around(const Tin& tin) {
   return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
 }
 
-double distance_to_face(const CompletedMesh& mesh, Index face, Point2 p) {
-  bool inside = true;
-  double least = INFINITY;
-  for (int k = 0; k < 3; ++k) {
-    const Point2 a = mesh.at(mesh.corner(4 * face + k)), b = mesh.at(mesh.corner(4 * face + (k + 1) % 3));
-    inside = inside && orientation(a, b, p) >= 0;
-    double d;
-    nearest_on_segment(a, b, p, d);
-    least = std::min(least, d);
-  }
-  return inside ? 0 : least;
-}
-
 }  // namespace
 
 PlanGrid::PlanGrid(double step) : step_(step), numerator_(step), denominator_(1) {
@@ -96,7 +83,9 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
     return at;
   };
   const auto distance = [&](Index label, Point2 p) {
-    return label == none ? 0 : distance_to_face(completed, label, p);
+    if (label == none) return 0.0;
+    const Index* c = completed.links[label].corner;
+    return distance_to_triangle({completed.at(c[0]), completed.at(c[1]), completed.at(c[2])}, p);
   };
   Rounded rounded;
   try {

@@ -40,9 +40,10 @@ struct PlanarMesh {
 void connect(PlanarMesh& mesh);
 
 /// Makes every face of the mesh strictly positive on its doubles. `place(v)` says where vertex v lies exactly
-/// (kind input: exactly at points[v]). Vertices may be merged, edges flipped, slivers of an open border taken away:
-/// merged_into[v] tells where v went (v itself when it stayed), relabelled lists the live faces whose corners or label
-/// changed. Linear in the faces; about 5 us per vertex of a bad cluster that needs kinetic moves.
+/// (kind input: exactly at points[v]). Vertices may be merged and edges flipped: merged_into[v] tells where v went (v
+/// itself when it stayed), relabelled lists the live faces whose corners or label changed. An open border stays where
+/// it is: where a vertex may have to pass it, what lies beyond must be faces too (core/exterior). Linear in the faces;
+/// about 5 us per vertex of a bad cluster that needs kinetic moves.
 struct Rounded {
   RoundingReport report;
   std::vector<Index> merged_into;

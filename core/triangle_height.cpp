@@ -26,6 +26,19 @@ double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance) {
   return std::min(along / squared, 1.0);
 }
 
+double distance_to_triangle(const Point2 (&c)[3], Point2 p) {
+  double least = std::numeric_limits<double>::infinity();
+  bool inside = true;
+  for (int k = 0; k < 3; ++k) {
+    const Point2 a = c[k], b = c[(k + 1) % 3];
+    inside = inside && orientation(a, b, p) >= 0;
+    double d;
+    nearest_on_segment(a, b, p, d);
+    least = std::min(least, d);
+  }
+  return inside ? 0 : least;
+}
+
 namespace {
 
 /// Of the point of the triangle's border nearest to p.

@@ -22,6 +22,9 @@ inline double fraction_along(Point2 a, Point2 b, Point2 p) {
 /// 1e-12 of it at most.
 double nearest_on_segment(Point2 a, Point2 b, Point2 p, double& distance);
 
+/// The distance of p from a triangle with corners c (counter-clockwise): 0 inside, else never too short.
+double distance_to_triangle(const Point2 (&c)[3], Point2 p);
+
 /// The height at p of a triangle with corners c (counter-clockwise) and heights z: a convex combination with accurate
 /// weights inside; outside the height of the nearest point of the triangle. A place a rounding error off a steep sliver
 /// must not run away on the sliver's plane.

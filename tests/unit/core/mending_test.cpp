@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/kinetic.hpp"
+#include "core/exterior.hpp"
 #include "core/overlay.hpp"
 #include "core/predicates.hpp"
 #include "core/surface.hpp"
@@ -230,25 +230,38 @@ TEST(zero_lines, a_crossing_has_the_height_of_the_edge_that_it_was_made_on) {
       EXPECT_TRUE(judge.allows(o.points[o.faces[f][k]], 6 * o.rounding.max_move, o.height(0, f, k), o.parents[f][0]));
 }
 
-TEST(kinetic, a_vertex_crosses_an_open_border_by_taking_away_the_face_it_closes) {
-  PlanarMesh mesh{
-      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, -1}}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, {}, {0, 1, 2, 3}};
-  connect(mesh);
-  MeshEditor editor(mesh);
-  Context context;
-  const auto place = [](Index v) {
-    ExactPlace at;
-    if (v == 4) at.kind = ExactPlace::lattice, at.p = {2, 2};
-    return at;
-  };
-  EXPECT_EQ(move_kinetically(editor, {0}, place, context).vertices, 1);
-  int live = 0;
-  for (Index f = 0; f < 4; ++f)
-    if (editor.alive(f)) {
-      ++live;
-      EXPECT_GT(editor.sign(f), 0);
+TEST(exterior, a_vertex_passes_the_border_and_goes_under_nothing_that_lies_beyond) {
+  // The centre of a square goes down through its lower side to (2, -1); there may be a triangle below.
+  for (const bool more : {false, true}) {
+    PlanarMesh mesh{{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {0, -0.5}, {4, -0.5}, {2, -4}},
+                    {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {5, 7, 6}},
+                    {},
+                    {0, 1, 2, 3, 4}};
+    if (!more) mesh.faces.pop_back(), mesh.labels.pop_back();
+    connect(mesh);
+    add_exterior(mesh, [](Index) { return ExactPlace{}; });
+    mesh.points[4] = {2, -1};
+    const auto place = [](Index v) {
+      ExactPlace at;
+      if (v == 4) at.kind = ExactPlace::lattice, at.p = {2, 2};
+      return at;
+    };
+    Context context;
+    round_and_verify(mesh, place, context);
+    double all = 0, labelled = 0;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      const Face& c = mesh.faces[f];
+      if (c[0] == none) continue;
+      const double area = 0.5 * area2_accurate(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]);
+      EXPECT_GT(area, 0);
+      all += area;
+      if (mesh.labels[f] != none) labelled += area;
     }
-  EXPECT_EQ(live, 3);
+    // All positive, and together as large as the box: no two overlap.
+    const Point2 low = mesh.points[8], high = mesh.points[10];
+    EXPECT_DOUBLE_EQ(all, (high.x - low.x) * (high.y - low.y));
+    EXPECT_GE(labelled, more ? 23 : 17);
+  }
 }
 
 }  // namespace
