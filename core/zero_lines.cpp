@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/edge_cuts.hpp"
 #include "core/mended_heights.hpp"
@@ -47,6 +48,9 @@ class Carrier {
 
   Overlay run() {
     for (int input : {0, 1}) carry(input);
+    equated_.assign(after_.points.size(), 0);
+    for (int input : {0, 1})
+      if (after_.per_corner[1 - input] && !after_.per_corner[input]) hold_per_corner(input);
     equate();
     for (int input : {0, 1})
       if (!after_.per_corner[input]) mend(input);
@@ -108,9 +112,18 @@ class Carrier {
     after_.per_corner[input] = mend_heights(after_.faces, changed, own_heights, after_.heights[input]);
   }
 
-  /// Both heights at a vertex made for a face are one double there: that of the flatter surface, which stays flat, or
-  /// of the only one that cannot hold a height of its own per face. The same where rounding moved such a vertex onto
-  /// another: the line passes within rounding of that one.
+  /// Beside a surface that jumps: where the two are equated the flatter one decides, and may have several heights.
+  void hold_per_corner(int input) {
+    mend(input);
+    if (std::exchange(after_.per_corner[input], true)) return;
+    Array<double> corners(3 * after_.faces.size());
+    for (std::size_t c = 0; c < corners.size(); ++c)
+      corners[c] = after_.heights[input][after_.faces[c / 3][c % 3]];
+    after_.heights[input] = std::move(corners);
+  }
+
+  /// Both heights at a vertex made for a face are one double there: that of the flatter surface, which stays flat. The
+  /// same where rounding moved such a vertex onto another: the line passes within rounding of that one.
   void equate() {
     std::vector<Index> lands_on(after_.points.size(), none);  // chain of cut vertices that ended at a point
     std::vector<Index> next(cut_.made.size(), none);
@@ -119,7 +132,6 @@ class Carrier {
       next[i] = lands_on[w];
       lands_on[w] = static_cast<Index>(i);
     }
-    equated_.assign(after_.points.size(), 0);
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       if (!has_both(after_, static_cast<Index>(f))) continue;
       for (int k = 0; k < 3; ++k) {
@@ -150,8 +162,7 @@ class Carrier {
       return after_.heights[input][after_.per_corner[input] ? 3 * f + corner : after_.faces[f][corner]];
     };
     equated_[after_.faces[f][corner]] = 1;
-    const int from = after_.per_corner[0] == after_.per_corner[1] ? flatter : after_.per_corner[0] ? 1 : 0;
-    at(1 - from) = at(from);
+    at(1 - flatter) = at(flatter);
   }
 
   const Overlay& before_;

@@ -349,6 +349,34 @@ TEST(Merge, AZeroPointBeyondTheBorderGoesUnderNoOtherPart) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, ASurfaceThatJumpsKeepsItsHeightWhereASteeperOneCrossesIt) {
+  // The slivers rise millions of metres per metre, and the surface jumps where the first has cut it.
+  const Tin a{{{500000.27624528512, 4500000.4939529588, 2},
+               {500000.06653820636, 4500000.6031032875, 3},
+               {500000.17880853993, 4500000.9567327444, 1},
+               {500000.76847234619, 4500000.7085130149, -2},
+               {500000.50607050565, 4500000.3668333339, 1},
+               {500000.92768101394, 4500000.1185498722, -1}},
+              {{0, 2, 1}, {3, 4, 5}}};
+  const Tin b{{{500000.36550277245, 4500000.5440378245, -68.749799527263733},
+               {500000.1752417676, 4500000.6063327687, -106.31349351870062},
+               {500000.62864871381, 4500000.4578766068, 2.1233409902171219}},
+              {{0, 1, 2}}};
+  const Tin c{{{500000.36550277245, 4500000.5440378245, -68.749799527263733},
+               {500000.1752417676, 4500000.6063327687, -106.31349351870062},
+               {500000.53677814128, 4500000.4879591474, -8.3301654688467988},
+               {500000.62864871381, 4500000.4578766068, 2.1233409902171219}},
+              {{0, 1, 3}, {0, 3, 2}}};
+  const Tin d{{{500000.375, 4500000.8250000002, 7},
+               {500000.68500528327, 4500000.7389002107, 7},
+               {500000.72216205153, 4500000.3139234856, 7}},
+              {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(a), canonical(b), canonical(c), canonical(d)};
+  const MergeOptions options{Overlap::min, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
