@@ -55,24 +55,55 @@ void widen(const MeshEditor& editor, std::vector<Index>& faces) {
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
 }
 
-/// A row of flips hands a label on from face to face: one that it has carried too far gets the nearest label that the
-/// faces around it have, or had `before`: no face may have it any more. Returns the largest spill that is left.
-double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound) {
-  double largest = 0;
-  for (Index f : changed_faces(editor)) {
-    double here = spill(editor, distance, f, editor.mesh().labels[f]);
-    std::vector<Index> near{f};
-    for (int ring = 0; here > bound && ring < 4; ++ring) {
-      widen(editor, near);
-      for (const Index g : near)
-        for (const Index label : {editor.mesh().labels[g], before[g]}) {
-          if (label == none) continue;
-          const double there = spill(editor, distance, f, label);
-          if (there < here) here = there, editor.relabel(f, label);
-        }
-    }
-    largest = std::max(largest, here);
+/// Gives a face that is farther than the bound from what its label stands for the nearest label that the faces around
+/// it have, or had `before`: no face may have it any more. Returns the spill that is left.
+double call_label_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound,
+                       Index f) {
+  double here = spill(editor, distance, f, editor.mesh().labels[f]);
+  std::vector<Index> near{f};
+  for (int ring = 0; here > bound && ring < 4; ++ring) {
+    widen(editor, near);
+    for (const Index g : near)
+      for (const Index label : {editor.mesh().labels[g], before[g]}) {
+        if (label == none) continue;
+        const double there = spill(editor, distance, f, label);
+        if (there < here) here = there, editor.relabel(f, label);
+      }
   }
+  return here;
+}
+
+/// Flips an edge of f where the larger spill of the two faces beside it becomes less. Returns the other face, or none.
+Index flip_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound, Index f) {
+  const PlanarMesh& mesh = editor.mesh();
+  for (int k = 0; k < 3; ++k) {
+    MeshEditor::Quad quad;
+    if (!editor.quad(f, k, quad) || mesh.labels[f] == none || mesh.labels[quad.g] == none) continue;
+    const double now = std::max(spill(editor, distance, f, mesh.labels[f]),
+                                spill(editor, distance, quad.g, mesh.labels[quad.g]));
+    const MeshEditor::Mark mark = editor.mark();
+    editor.flip(f, k, quad);
+    if (editor.sign(f) > 0 && editor.sign(quad.g) > 0 &&
+        std::max(call_label_back(editor, before, distance, bound, f),
+                 call_label_back(editor, before, distance, bound, quad.g)) < now)
+      return quad.g;
+    editor.undo(mark);
+  }
+  return none;
+}
+
+/// A row of flips hands a label on from face to face, too far at times, or leaves two fans between two rows of vertices
+/// where a zigzag would keep every face near its label. Returns the largest spill that is left.
+double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound) {
+  std::vector<Index> todo = changed_faces(editor);
+  for (std::size_t i = 0; i < todo.size(); ++i) {
+    if (call_label_back(editor, before, distance, bound, todo[i]) <= bound) continue;
+    const Index g = flip_back(editor, before, distance, bound, todo[i]);
+    if (g != none) todo.insert(todo.end(), {todo[i], g});
+  }
+  double largest = 0;
+  for (const Index f : changed_faces(editor))
+    largest = std::max(largest, spill(editor, distance, f, editor.mesh().labels[f]));
   return largest;
 }
 
