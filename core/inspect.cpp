@@ -137,6 +137,41 @@ void measure_heights(const Tin& tin, Inspection& result, const Context& context)
   }
 }
 
+/// The components and holes of a sound surface by its border alone: where no place has two edges of it leaving, each of
+/// its rings is the outer one of a component or that of a hole. False, and nothing counted, where some place has.
+bool count_rings(const Tin& tin, std::vector<BorderEdge> border, Inspection& result) {
+  const auto less = [](const BorderEdge& a, const BorderEdge& b) { return a.from < b.from; };
+  std::sort(border.begin(), border.end(), less);
+  const auto twice = [](const BorderEdge& a, const BorderEdge& b) { return a.from == b.from; };
+  if (std::adjacent_find(border.begin(), border.end(), twice) != border.end()) return false;
+  const auto following = [&](std::size_t i) {
+    return static_cast<std::size_t>(
+        std::lower_bound(border.begin(), border.end(), BorderEdge{0, border[i].to, 0}, less) - border.begin());
+  };
+  const auto at = [&](Index v) { return plan(tin.vertices[v]); };
+  std::vector<bool> seen(border.size(), false);
+  for (std::size_t start = 0; start < border.size(); ++start) {
+    if (seen[start]) continue;
+    // The domain has less than a straight angle at the lowest vertex of an outer ring, and more at that of a hole.
+    std::size_t arriving = start;
+    Point2 lowest = at(border[start].to);
+    for (std::size_t i = start; !seen[i]; i = following(i)) {
+      seen[i] = true;
+      const Point2 p = at(border[i].to);
+      if (std::pair(p.y, p.x) < std::pair(lowest.y, lowest.x)) arriving = i, lowest = p;
+    }
+    const bool outer = orientation(at(border[arriving].from), lowest, at(border[following(arriving)].to)) > 0;
+    ++(outer ? result.components : result.holes);
+  }
+  return true;
+}
+
+/// Whether the surface is as a result should be; what there is to count is then known of its border alone.
+bool inspect_sound(const Tin& tin, Inspection& result, const Context& context) {
+  const auto border = sound_border(tin, context);
+  return border && examine_border(tin, *border, 0).sound() && count_rings(tin, *border, result);
+}
+
 void count_faces(const PlanTopology& topology, const Components& components, Inspection& result,
                  const Context& context) {
   const std::size_t n = topology.turn.size(), chunk = chunk_for(context, n);
@@ -168,9 +203,10 @@ Inspection inspect(const Tin& tin, const Context& context) {
   result.faces = tin.faces.size();
   result.box = bounds(tin.vertices, context);
   measure_heights(tin, result, context);
+  if (inspect_sound(tin, result, context)) return result;
   const PlanTopology topology = plan_topology(tin, context);
   result.non_manifold_edges = topology.crowded.size();
-  const BorderReport border = examine_border(tin, topology, 0);
+  const BorderReport border = examine_border(tin, border_edges(tin, topology), 0);
   result.t_junctions = border.touches.size();
   result.overlaps = border.crossings + border.doubled_regions;
   Components components(topology, context);

@@ -287,7 +287,7 @@ void Audit::run() {
   look_at_faces();
   drop_duplicate_faces();
   find_crowded_edges();
-  const BorderReport border = examine_border(tin_, topology_, limit_);
+  const BorderReport border = examine_border(tin_, border_edges(tin_, topology_), limit_);
   find_overlaps(border);
   if (!border.touches.empty()) split_touched(border);
   if (fatal_.empty()) find_two_heights();

@@ -39,12 +39,10 @@ using Triangle = Triangulation::Face_handle;
 /// The border of a TIN in a triangulation of its places.
 class Border {
  public:
-  Border(const Tin& tin, const PlanTopology& topology) : tin_(tin), topology_(topology) {}
+  Border(const Tin& tin, std::span<const BorderEdge> border) : tin_(tin), border_(border) {}
   BorderReport examine(std::size_t limit);
 
  private:
-  Index from(Index h) const { return topology_.place[topology_.from(tin_, h)]; }
-  Index to(Index h) const { return topology_.place[topology_.to(tin_, h)]; }
   Point2 at(Index v) const { return plan(tin_.vertices[v]); }
   Vertex vertex(Index place) const {
     return vertices_[std::lower_bound(used_.begin(), used_.end(), place) - used_.begin()];
@@ -52,7 +50,7 @@ class Border {
 
   void insert_places();
   void insert_edges(BorderReport& report, std::size_t limit);
-  void note_crossing(Index h, BorderReport& report, std::size_t limit) const;
+  void note_crossing(const BorderEdge& edge, BorderReport& report, std::size_t limit) const;
   void trace_edges(BorderReport& report);
   /// A directed constrained edge of the triangulation, by the numbers of its ends in used_.
   struct Piece {
@@ -67,7 +65,7 @@ class Border {
   void collect_doubled(BorderReport& report, std::size_t limit);
 
   const Tin& tin_;
-  const PlanTopology& topology_;
+  std::span<const BorderEdge> border_;
   std::vector<Index> used_;       // the places on the border, sorted
   std::vector<Vertex> vertices_;  // beside used_
   Triangulation cdt_;
@@ -75,7 +73,7 @@ class Border {
 };
 
 void Border::insert_places() {
-  for (const Index h : topology_.border) used_.push_back(from(h)), used_.push_back(to(h));
+  for (const BorderEdge& e : border_) used_.push_back(e.from), used_.push_back(e.to);
   std::sort(used_.begin(), used_.end());
   used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
   std::vector<std::pair<Kernel::Point_2, Index>> points;
@@ -90,31 +88,31 @@ void Border::insert_places() {
 void Border::insert_edges(BorderReport& report, std::size_t limit) {
   // CGAL looks at every neighbour of the vertex that a constraint starts from: at a hub that would be quadratic.
   std::vector<Index> degree(used_.size(), 0);
-  for (const Index h : topology_.border) ++degree[vertex(from(h))->info()], ++degree[vertex(to(h))->info()];
+  for (const BorderEdge& e : border_) ++degree[vertex(e.from)->info()], ++degree[vertex(e.to)->info()];
   // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown
   // (2015).
-  std::vector<Index> order = topology_.border;
+  std::vector<BorderEdge> order(border_.begin(), border_.end());
   std::mt19937 random;
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  for (const Index h : order) {
-    Vertex a = vertex(from(h)), b = vertex(to(h));
+  for (const BorderEdge& e : order) {
+    Vertex a = vertex(e.from), b = vertex(e.to);
     if (degree[a->info()] > degree[b->info()]) std::swap(a, b);
     try {
       cdt_.insert_constraint(a, b);
     } catch (const Triangulation::Intersection_of_constraints_exception&) {  // thrown before anything is changed
       ++report.crossings;
-      note_crossing(h, report, limit);
+      note_crossing(e, report, limit);
     }
   }
 }
 
-void Border::note_crossing(Index h, BorderReport& report, std::size_t limit) const {
-  const Point2 a = at(from(h)), b = at(to(h));
-  for (const Index other : topology_.border) {
+void Border::note_crossing(const BorderEdge& edge, BorderReport& report, std::size_t limit) const {
+  const Point2 a = at(edge.from), b = at(edge.to);
+  for (const BorderEdge& other : border_) {
     if (report.crossing.size() >= limit) return;
-    const Point2 p = at(from(other)), q = at(to(other));
+    const Point2 p = at(other.from), q = at(other.to);
     if (orientation(a, b, p) * orientation(a, b, q) < 0 && orientation(p, q, a) * orientation(p, q, b) < 0)
-      report.crossing.push_back({other, h});
+      report.crossing.push_back({other.half_edge, edge.half_edge});
   }
 }
 
@@ -148,16 +146,16 @@ const Border::Piece* Border::first_piece(Index a, Index b) const {
 
 /// Adds the flux of every border half-edge to the pieces it is made of, and notes the places between them.
 void Border::trace_edges(BorderReport& report) {
-  for (const Index h : topology_.border) {
-    const Index last = vertex(to(h))->info();
-    for (Index v = vertex(from(h))->info(); v != last;) {
+  for (const BorderEdge& e : border_) {
+    const Index last = vertex(e.to)->info();
+    for (Index v = vertex(e.from)->info(); v != last;) {
       const Piece* piece = first_piece(v, last);
       if (!piece) break;  // crosses another edge and was not inserted
       const Triangle right = piece->left->neighbor(piece->opposite);
       ++piece->left->info().flux[piece->opposite];
       --right->info().flux[right->index(piece->left)];
       v = piece->to;
-      if (v != last) report.touches.push_back({h, used_[v]});
+      if (v != last) report.touches.push_back({e.half_edge, used_[v]});
     }
   }
 }
@@ -216,8 +214,8 @@ BorderReport Border::examine(std::size_t limit) {
 
 }  // namespace
 
-BorderReport examine_border(const Tin& tin, const PlanTopology& topology, std::size_t limit) {
-  return Border(tin, topology).examine(limit);
+BorderReport examine_border(const Tin& tin, std::span<const BorderEdge> border, std::size_t limit) {
+  return Border(tin, border).examine(limit);
 }
 
 }  // namespace terrane

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -104,6 +106,41 @@ TEST(Inspect, NeverThrows) {
   EXPECT_EQ(result.faces, 5u);
   EXPECT_EQ(result.degenerate, 4u);
   EXPECT_EQ(inspect(Tin{}).components, 0u);
+}
+
+// In canonical order a sound surface is known by its border alone; in any other order it is taken apart whole.
+TEST(Inspect, SaysTheSameInEveryOrder) {
+  std::mt19937 random(5);
+  int unsound = 0;
+  for (int run = 0; run < 2000; ++run) {
+    Tin tin;
+    for (int sheets = random() % 4 == 0 ? 2 : 1; sheets > 0; --sheets) {
+      std::vector<std::string> rows(4, std::string(5, '.'));
+      for (std::string& row : rows)
+        for (char& cell : row) cell = random() % 4 == 0 ? '.' : '#';
+      const Tin sheet = drawn(rows);
+      const auto first = static_cast<Index>(tin.vertices.size());
+      const double shift = tin.faces.empty() ? 0 : static_cast<double>(random() % 11) / 2, z = random() % 2;
+      for (const Point& p : sheet.vertices) tin.vertices.push_back({p.x + shift, p.y, z});
+      for (const Face& f : sheet.faces) tin.faces.push_back({first + f[0], first + f[1], first + f[2]});
+    }
+    if (tin.faces.empty()) continue;
+    if (random() % 8 == 0) std::swap(tin.faces[random() % tin.faces.size()][1], tin.faces[0][1]);
+    tin = canonical(tin);
+    Tin turned = tin;
+    for (Face& f : turned.faces) std::rotate(f.begin(), f.begin() + 1, f.end());
+    const auto faults = [](const Inspection& i) {
+      return i.inverted + i.degenerate + i.t_junctions + i.non_manifold_edges + i.overlaps;
+    };
+    const Inspection quick = inspect(tin), slow = inspect(turned);
+    EXPECT_EQ(faults(quick) == 0, faults(slow) == 0) << "run " << run;
+    unsound += faults(slow) > 0;
+    if (faults(slow) == 0) {
+      EXPECT_EQ(std::tuple(quick.components, quick.holes), std::tuple(slow.components, slow.holes)) << "run " << run;
+    }
+  }
+  EXPECT_GT(unsound, 200);
+  EXPECT_LT(unsound, 1000);
 }
 
 // Against brute force: random triangles, some of which overlap. Overlap by clipping areas would round, so the truth is
