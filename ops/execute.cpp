@@ -151,6 +151,7 @@ nlohmann::json report_certificate(const Plan& plan, const Frame& frame, const Co
 /// The independent look at the result's heights disagrees with them: the user must not find out from the figure alone.
 void warn_of_heights(const HeightCheck& heights, const Tin& tin, Context& context) {
   double largest = 1;
+  if (heights.max_error <= 1e-6 * largest) return;
   for (const Point& p : tin.vertices) largest = std::max(largest, std::fabs(p.z));
   if (heights.max_error > 1e-6 * largest)
     context.warn({"height-check", "", "",

@@ -54,10 +54,11 @@ Box HeightField::box_of(Index face) const {
 
 HeightField::HeightField(const Tin& tin, int faces_per_cell)
     : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
-  const PlanTopology topology = plan_topology(tin);
-  for (Index h : topology.border) {
-    border_[h] = true;
-    border_edges_.push_back({plan(tin.vertices[topology.from(tin, h)]), plan(tin.vertices[topology.to(tin, h)])});
+  auto border = sound_border(tin);
+  if (!border) border = border_edges(tin, plan_topology(tin));
+  for (const BorderEdge& e : *border) {
+    border_[e.half_edge] = true;
+    border_edges_.push_back({plan(tin.vertices[e.from]), plan(tin.vertices[e.to])});
   }
   const double width = std::max(box_.xmax - box_.xmin, 0.0), height = std::max(box_.ymax - box_.ymin, 0.0);
   const double side =
