@@ -60,11 +60,12 @@ void print_warnings(const std::vector<Warning>& warnings) {
                  w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
 }
 
-/// Has the big arrays of one stage lie where those of the stage before did: the first touch of memory costs as much as
-/// most of what is computed there, and this process gives all of it back soon.
+/// Has the big arrays of one stage lie where those of the stage before did, whichever thread asks for them: the first
+/// touch of memory costs as much as most of what is computed there, and this process gives all of it back soon.
 void reuse_memory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, -1);
+  ::mallopt(M_ARENA_MAX, 1);
 }
 
 }  // namespace
