@@ -112,12 +112,15 @@ void refuse_existing(const std::string& path, bool force) {
     throw Error(ErrorKind::usage, "output-exists", "'" + path + "' exists; say --force to replace it");
 }
 
-void OutputFile::open() {
+bool OutputFile::holds_back() const {
   struct stat facts {};
-  const bool exists = path_ != "-" && ::stat(path_.c_str(), &facts) == 0;
+  return path_ != "-" && (::stat(path_.c_str(), &facts) != 0 || S_ISREG(facts.st_mode));
+}
+
+void OutputFile::open() {
   if (path_ == "-") {
     fd_ = STDOUT_FILENO;
-  } else if (exists && !S_ISREG(facts.st_mode)) {
+  } else if (!holds_back()) {
     fd_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     std::string name = folder_of(path_) + "/." + file_name(path_) + ".XXXXXX";

@@ -26,6 +26,8 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// True when nothing of what is written is to be seen before keep().
+  bool holds_back() const;
   void write(std::string_view bytes);
   /// All bytes are written: the file gets its name.
   void keep();

@@ -96,10 +96,11 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   context.on_progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); };
   OutputFile file(output, line.force);
-  const Response response = execute(made, context, [&](std::string_view piece) {
+  const auto take = [&](std::string_view piece) {
     progress.clear();
     file.write(piece);
-  });
+  };
+  const Response response = execute(made, context, {take, file.holds_back()});
   progress.clear();
   if (!line.quiet) print_warnings(response.warnings);
   file.keep();

@@ -54,6 +54,7 @@ struct Format {
   std::function<void(const Tin&, const Crs&, const WriteOptions&, const Sink&, Context&)> write;
   /// True when the first bytes can only be this format.
   std::function<bool(std::string_view head)> sniff;
+  bool carries_certificate = false;  // what is written depends on WriteOptions::certificate_json
 };
 
 /// Every format, in the order of the documentation.

@@ -425,7 +425,8 @@ Format json_format() {
             return JsonReader(std::move(source), options, context).read();
           },
           write_json,
-          sniff_json};
+          sniff_json,
+          true};
 }
 
 }  // namespace terrane

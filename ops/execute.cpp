@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/validate.hpp"
 #include "ops/certificate.hpp"
 #include "ops/frame.hpp"
@@ -110,16 +112,36 @@ std::vector<const Tin*> tins_of(const std::vector<Surface>& surfaces) {
   return tins;
 }
 
-void encode(const Plan& plan, const Frame& frame, const Tin& tin, const Sink& body, Response& response,
-            Context& context) {
+void encode(const Plan& plan, const Frame& frame, const Tin& tin, const WriteOptions& options, const Body& body,
+            Response& response, Context& context) {
   context.progress("write", 0);
   const Format* format = format_named(plan.output_format);
-  WriteOptions options;
-  options.certificate_json = embedded(response.report).dump();
-  if (body)
-    format->write(tin, frame.crs, options, body, context);
+  if (body.sink)
+    format->write(tin, frame.crs, options, body.sink, context);
   else
     response.body = written(*format, tin, frame.crs, options, context);
+}
+
+/// Verifies a surface and encodes it: side by side where nobody sees the bytes before both are done.
+void verify_and_encode(const Plan& plan, const Frame& frame, const Tin& tin, const std::function<void()>& verify,
+                       const Body& body, Response& response, Context& context) {
+  if (!body.held_back || format_named(plan.output_format)->carries_certificate) {
+    verify();
+    WriteOptions options;
+    options.certificate_json = embedded(response.report).dump();
+    return encode(plan, frame, tin, options, body, response, context);
+  }
+  Context writing;
+  writing.threads = context.threads;
+  writing.on_progress = [&](std::string_view, double) { context.stop_if_cancelled(); };
+  parallel_tasks(context, 2, [&](std::size_t i) {
+    try {
+      i == 0 ? verify() : encode(plan, frame, tin, {}, body, response, writing);
+    } catch (...) {
+      writing.cancelled = true;
+      throw;
+    }
+  });
 }
 
 std::string extension_of(const std::string& word) {
@@ -167,7 +189,7 @@ void use_threads(const Plan& plan, Context& context) {
 
 }  // namespace
 
-Response execute(const Plan& plan, Context& context, const Sink& body) {
+Response execute(const Plan& plan, Context& context, const Body& body) {
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
@@ -185,11 +207,13 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
     HeightCheck heights = check();
     warn_of_heights(heights, *tin, context);
     if (put_on_grid(outcome, plan, frame.crs, context)) heights = check();  // by as much as vertices moved on slopes
-    const Inspection seen = inspect(*tin, context);
-    if (outcome.verify) refuse_unsound(seen, plan.operation->id);
     name_joined(frame, outcome);
-    response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
-    encode(plan, frame, *tin, body, response, context);
+    const auto verify = [&] {
+      const Inspection seen = inspect(*tin, context);
+      if (outcome.verify) refuse_unsound(seen, plan.operation->id);
+      response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
+    };
+    verify_and_encode(plan, frame, *tin, verify, body, response, context);
   } else if (const Picture* picture = std::get_if<Picture>(&outcome.result)) {
     response.report = report_certificate(plan, frame, context);
     response.body = write_png(*picture);
@@ -198,7 +222,7 @@ Response execute(const Plan& plan, Context& context, const Sink& body) {
     response.report["certificate"] = report_certificate(plan, frame, context);
     response.body = plan.output_format == "csv" ? outcome.csv : response.report.dump(2) + "\n";
   }
-  if (body && !response.body.empty()) body(std::exchange(response.body, {}));
+  if (body.sink && !response.body.empty()) body.sink(std::exchange(response.body, {}));
   response.warnings = context.warnings;
   context.progress("write", 1);
   return response;

@@ -64,8 +64,16 @@ struct Response {
 /// Throws Error{no_such_process | usage | unsupported | not_acceptable}.
 Plan plan(Request request);
 
-/// Decodes, brings to a common frame, runs, restores the CRS, verifies, encodes. The result's bytes go to `body` as they
-/// are made, after everything that could be complained of, or into the response where `body` is null. Throws Error.
-Response execute(const Plan& plan, Context& context, const Sink& body = nullptr);
+/// Where the bytes of a result go.
+struct Body {
+  Sink sink = nullptr;  // null: into the response
+  /// Whoever takes them shows nothing of them before execute() returns, and nothing at all when it throws. Then they
+  /// may come while the result is still being verified; to any other body they come after everything that could be
+  /// complained of.
+  bool held_back = false;
+};
+
+/// Decodes, brings to a common frame, runs, restores the CRS, verifies, encodes. Throws Error.
+Response execute(const Plan& plan, Context& context, const Body& body = {});
 
 }  // namespace terrane
