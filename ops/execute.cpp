@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <mutex>
+#include <numeric>
 #include <utility>
 
 #include "core/error.hpp"
@@ -82,16 +84,32 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Operation& op
   return surface;
 }
 
+/// All inputs in their order, several at a time; each has of the threads what it has of the bytes.
 std::vector<Surface> decode_all(const Plan& plan, Context& context) {
   const Operation& operation = *plan.operation;
-  std::vector<Surface> surfaces;
-  const double parts = static_cast<double>(plan.request.inputs.size());
-  for (const InputPart& part : plan.request.inputs) {
-    context.progress("read", static_cast<double>(surfaces.size()) / parts);
+  const std::vector<InputPart>& parts = plan.request.inputs;
+  context.progress("read", 0);
+  std::vector<double> sizes;
+  for (const InputPart& part : parts)
+    sizes.push_back(static_cast<double>(part.open ? part.open().size : part.bytes.size()));
+  const double all = std::accumulate(sizes.begin(), sizes.end(), 1.0);
+  std::vector<Surface> surfaces(parts.size());
+  std::vector<std::vector<Warning>> warnings(parts.size());
+  std::mutex one_at_a_time;
+  parallel_tasks(context, parts.size(), [&](std::size_t i) {
+    Context own;
+    own.threads = std::max(1, static_cast<int>(std::lround(context.threads * sizes[i] / all)));
+    own.on_progress = [&](std::string_view stage, double fraction) {
+      const std::lock_guard lock(one_at_a_time);
+      context.progress(stage, fraction);
+    };
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
-                                   [&](const InputSlot& s) { return s.name == part.slot; });
-    surfaces.push_back(decode(part, *slot, operation, context));
-  }
+                                   [&](const InputSlot& s) { return s.name == parts[i].slot; });
+    surfaces[i] = decode(parts[i], *slot, operation, own);
+    warnings[i] = std::move(own.warnings);
+  });
+  for (std::vector<Warning>& of_one : warnings)
+    for (Warning& warning : of_one) context.warn(std::move(warning));
   return surfaces;
 }
 
@@ -133,7 +151,7 @@ void verify_and_encode(const Plan& plan, const Frame& frame, const Tin& tin, con
   }
   Context writing;
   writing.threads = context.threads;
-  writing.on_progress = [&](std::string_view, double) { context.stop_if_cancelled(); };
+  writing.on_progress = [&](std::string_view stage, double fraction) { context.progress(stage, fraction); };
   parallel_tasks(context, 2, [&](std::size_t i) {
     try {
       i == 0 ? verify() : encode(plan, frame, tin, {}, body, response, writing);
