@@ -149,9 +149,9 @@ void verify_and_encode(const Plan& plan, const Frame& frame, const Tin& tin, con
     options.certificate_json = embedded(response.report).dump();
     return encode(plan, frame, tin, options, body, response, context);
   }
-  Context writing;
+  Context writing;  // the other one is in use
   writing.threads = context.threads;
-  writing.on_progress = [&](std::string_view stage, double fraction) { context.progress(stage, fraction); };
+  writing.on_progress = [&](std::string_view, double) { context.stop_if_cancelled(); };
   parallel_tasks(context, 2, [&](std::size_t i) {
     try {
       i == 0 ? verify() : encode(plan, frame, tin, {}, body, response, writing);
@@ -222,11 +222,14 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
       const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
       return check_heights(*tin, outcome.fields, outcome.expected_height, rounding, context);
     };
-    HeightCheck heights = check();
-    warn_of_heights(heights, *tin, context);
-    if (put_on_grid(outcome, plan, frame.crs, context)) heights = check();  // by as much as vertices moved on slopes
+    if (wants_grid(plan, frame.crs)) {
+      warn_of_heights(check(), *tin, context);  // later they are off by as much as vertices move on slopes
+      put_on_grid(outcome, plan, frame.crs, context);
+    }
     name_joined(frame, outcome);
     const auto verify = [&] {
+      const HeightCheck heights = check();
+      if (!wants_grid(plan, frame.crs)) warn_of_heights(heights, *tin, context);
       const Inspection seen = inspect(*tin, context);
       if (outcome.verify) refuse_unsound(seen, plan.operation->id);
       response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);

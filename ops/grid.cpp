@@ -23,12 +23,15 @@ double grid_step(const Length& asked, const Crs& crs) {
   return step;
 }
 
+bool wants_grid(const Plan& plan, const Crs& crs) {
+  const auto asked = plan.parameters.find("grid");
+  return asked != plan.parameters.end() && grid_step(Length::of(*asked), crs) > 0;
+}
+
 bool put_on_grid(Outcome& outcome, const Plan& plan, const Crs& crs, Context& context) {
   Tin* tin = std::get_if<Tin>(&outcome.result);
-  const auto asked = plan.parameters.find("grid");
-  if (!tin || asked == plan.parameters.end()) return false;
-  const double step = grid_step(Length::of(*asked), crs);
-  if (!(step > 0)) return false;
+  if (!tin || !wants_grid(plan, crs)) return false;
+  const double step = grid_step(Length::of(plan.parameters.at("grid")), crs);
   OnGrid made = put_on_grid(*tin, PlanGrid(step), context);
   const RoundingReport& r = made.rounding;
   outcome.certificate["grid"] = {
