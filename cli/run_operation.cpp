@@ -103,6 +103,7 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   const Response response = execute(made, context, {take, file.holds_back()});
   progress.clear();
   if (!line.quiet) print_warnings(response.warnings);
+  ::malloc_trim(0);  // has to be given back anyway; now the disk is at work meanwhile
   file.keep();
   if (line.report.empty()) return;
   OutputFile report(line.report, line.force);

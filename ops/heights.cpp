@@ -15,8 +15,8 @@
 namespace terrane {
 namespace {
 
-int cell_of(double value, double low, double size, int count) {
-  const double cell = (value - low) / size;
+int cell_of(double value, double low, double per_length, int count) {
+  const double cell = (value - low) * per_length;
   return !(cell > 0) ? 0 : cell < count - 1 ? static_cast<int>(cell) : count - 1;
 }
 
@@ -55,7 +55,8 @@ Box HeightField::box_of(Index face) const {
 HeightField::HeightField(const Tin& tin, int faces_per_cell)
     : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
   auto border = sound_border(tin);
-  if (!border) border = border_edges(tin, plan_topology(tin));
+  const bool sound = border.has_value();  // no face of it is a wall
+  if (!sound) border = border_edges(tin, plan_topology(tin));
   for (const BorderEdge& e : *border) {
     border_[e.half_edge] = true;
     border_edges_.push_back({plan(tin.vertices[e.from]), plan(tin.vertices[e.to])});
@@ -67,24 +68,25 @@ HeightField::HeightField(const Tin& tin, int faces_per_cell)
   rows_ = cells_along(height, side);
   cell_x_ = width > 0 ? width / columns_ : 1;
   cell_y_ = height > 0 ? height / rows_ : 1;
+  per_x_ = 1 / cell_x_, per_y_ = 1 / cell_y_;
 
   first_.assign(static_cast<std::size_t>(rows_) * columns_, none);
   listed_.reserve(tin.faces.size() + tin.faces.size() / 2);
   for (auto f = static_cast<Index>(tin.faces.size()); f-- > 0;)
-    if (!is_wall(tin, tin.faces[f])) list(f);
+    if (sound || !is_wall(tin, tin.faces[f])) list(f);
 }
 
 /// Puts a face before the others in the lists of the cells it lies in.
 void HeightField::list(Index face) {
   const auto in_row = [&](int row, double xlow, double xhigh) {
-    const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, cell_x_, columns_);
-    for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, cell_x_, columns_); c <= last; ++c) {
+    const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, per_x_, columns_);
+    for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, per_x_, columns_); c <= last; ++c) {
       Index& first = first_[static_cast<std::size_t>(row) * columns_ + c];
       listed_.push_back({face, std::exchange(first, static_cast<Index>(listed_.size()))});
     }
   };
   const Box box = box_of(face);
-  const int bottom = cell_of(box.ymin, box_.ymin, cell_y_, rows_), top = cell_of(box.ymax, box_.ymin, cell_y_, rows_);
+  const int bottom = cell_of(box.ymin, box_.ymin, per_y_, rows_), top = cell_of(box.ymax, box_.ymin, per_y_, rows_);
   if (bottom == top) return in_row(bottom, box.xmin, box.xmax);  // most faces where they are many: no strip cuts them
   const std::array<Point2, 3> t = corners_in_plan(tin_, tin_.faces[face]);
   for (int r = bottom; r <= top; ++r) {
@@ -97,8 +99,8 @@ void HeightField::list(Index face) {
 template <class Visit>
 void HeightField::visit_cells(Box box, Visit visit) const {
   if (box.xmax < box_.xmin || box.xmin > box_.xmax || box.ymax < box_.ymin || box.ymin > box_.ymax) return;
-  for (int r = cell_of(box.ymin, box_.ymin, cell_y_, rows_); r <= cell_of(box.ymax, box_.ymin, cell_y_, rows_); ++r)
-    for (int c = cell_of(box.xmin, box_.xmin, cell_x_, columns_); c <= cell_of(box.xmax, box_.xmin, cell_x_, columns_);
+  for (int r = cell_of(box.ymin, box_.ymin, per_y_, rows_); r <= cell_of(box.ymax, box_.ymin, per_y_, rows_); ++r)
+    for (int c = cell_of(box.xmin, box_.xmin, per_x_, columns_); c <= cell_of(box.xmax, box_.xmin, per_x_, columns_);
          ++c) {
       for (Index i = first_[static_cast<std::size_t>(r) * columns_ + c]; i != none; i = listed_[i].next)
         visit(listed_[i].face);

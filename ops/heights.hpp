@@ -58,7 +58,8 @@ class HeightField {
   std::vector<std::array<Point2, 2>> border_edges_;
   Box box_{};
   int columns_ = 1, rows_ = 1;
-  double cell_x_ = 1, cell_y_ = 1;
+  double cell_x_ = 1, cell_y_ = 1;  // sides of a cell
+  double per_x_ = 1, per_y_ = 1;    // cells per unit of length
   struct Listed {
     Index face, next;
   };
