@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/box.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
@@ -55,8 +56,7 @@ Box HeightField::box_of(Index face) const {
 HeightField::HeightField(const Tin& tin, int faces_per_cell)
     : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
   auto border = sound_border(tin);
-  const bool sound = border.has_value();  // no face of it is a wall
-  if (!sound) border = border_edges(tin, plan_topology(tin));
+  if (!border) border = border_edges(tin, plan_topology(tin));
   for (const BorderEdge& e : *border) {
     border_[e.half_edge] = true;
     border_edges_.push_back({plan(tin.vertices[e.from]), plan(tin.vertices[e.to])});
@@ -71,39 +71,63 @@ HeightField::HeightField(const Tin& tin, int faces_per_cell)
   per_x_ = 1 / cell_x_, per_y_ = 1 / cell_y_;
 
   first_.assign(static_cast<std::size_t>(rows_) * columns_, none);
-  listed_.reserve(tin.faces.size() + tin.faces.size() / 2);
-  for (auto f = static_cast<Index>(tin.faces.size()); f-- > 0;)
-    if (sound || !is_wall(tin, tin.faces[f])) list(f);
+  const auto run = std::max<Index>(1, faces_per_cell / 4);
+  for (auto last = static_cast<Index>(tin.faces.size()); last > 0; last -= std::min(run, last)) {
+    Run faces = {no_box, std::max<Index>(0, last - run), last};
+    for (Index f = faces.first; f < last; ++f) faces.box = around(faces.box, box_of(f));
+    list(faces);
+  }
 }
 
-/// Puts a face before the others in the lists of the cells it lies in.
-void HeightField::list(Index face) {
-  const auto in_row = [&](int row, double xlow, double xhigh) {
-    const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, per_x_, columns_);
-    for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, per_x_, columns_); c <= last; ++c) {
-      Index& first = first_[static_cast<std::size_t>(row) * columns_ + c];
-      listed_.push_back({face, std::exchange(first, static_cast<Index>(listed_.size()))});
-    }
-  };
+/// Puts a run before the others in the lists of the cells it lies in, or its faces one by one where they lie apart.
+void HeightField::list(const Run& run) {
+  const double columns = (run.box.xmax - run.box.xmin) * per_x_, rows = (run.box.ymax - run.box.ymin) * per_y_;
+  if (run.last - run.first == 1 || !(columns < 2 && rows < 2)) {
+    for (Index f = run.last; f-- > run.first;) list_apart(f);
+    return;
+  }
+  runs_.push_back(run);
+  const int top = cell_of(run.box.ymax, box_.ymin, per_y_, rows_);
+  for (int r = cell_of(run.box.ymin, box_.ymin, per_y_, rows_); r <= top; ++r)
+    list_in_row(r, run.box.xmin, run.box.xmax);
+}
+
+void HeightField::list_apart(Index face) {
+  if (is_wall(tin_, tin_.faces[face])) return;
   const Box box = box_of(face);
+  runs_.push_back({box, face, face + 1});
   const int bottom = cell_of(box.ymin, box_.ymin, per_y_, rows_), top = cell_of(box.ymax, box_.ymin, per_y_, rows_);
-  if (bottom == top) return in_row(bottom, box.xmin, box.xmax);  // most faces where they are many: no strip cuts them
+  if (bottom == top) return list_in_row(bottom, box.xmin, box.xmax);  // no strip cuts it
   const std::array<Point2, 3> t = corners_in_plan(tin_, tin_.faces[face]);
   for (int r = bottom; r <= top; ++r) {
     const double margin = 1e-9 * cell_y_, base = box_.ymin + r * cell_y_;
     const auto [xlow, xhigh] = strip_range(t, base - margin, base + cell_y_ + margin);
-    if (xlow <= xhigh) in_row(r, xlow, xhigh);
+    if (xlow <= xhigh) list_in_row(r, xlow, xhigh);
+  }
+}
+
+/// Lists the run that was added last.
+void HeightField::list_in_row(int row, double xlow, double xhigh) {
+  const auto run = static_cast<Index>(runs_.size() - 1);
+  const int last = cell_of(xhigh + 1e-9 * cell_x_, box_.xmin, per_x_, columns_);
+  for (int c = cell_of(xlow - 1e-9 * cell_x_, box_.xmin, per_x_, columns_); c <= last; ++c) {
+    Index& first = first_[static_cast<std::size_t>(row) * columns_ + c];
+    listed_.push_back({run, std::exchange(first, static_cast<Index>(listed_.size()))});
   }
 }
 
 template <class Visit>
-void HeightField::visit_cells(Box box, Visit visit) const {
+void HeightField::visit_cells(Box box, Box near, Visit visit) const {
   if (box.xmax < box_.xmin || box.xmin > box_.xmax || box.ymax < box_.ymin || box.ymin > box_.ymax) return;
   for (int r = cell_of(box.ymin, box_.ymin, per_y_, rows_); r <= cell_of(box.ymax, box_.ymin, per_y_, rows_); ++r)
     for (int c = cell_of(box.xmin, box_.xmin, per_x_, columns_); c <= cell_of(box.xmax, box_.xmin, per_x_, columns_);
          ++c) {
-      for (Index i = first_[static_cast<std::size_t>(r) * columns_ + c]; i != none; i = listed_[i].next)
-        visit(listed_[i].face);
+      for (Index i = first_[static_cast<std::size_t>(r) * columns_ + c]; i != none; i = listed_[i].next) {
+        const Run& run = runs_[listed_[i].run];
+        if (apart(run.box, near)) continue;
+        for (Index f = run.first; f < run.last; ++f)
+          if (!is_wall(tin_, tin_.faces[f])) visit(f);
+      }
     }
 }
 
@@ -140,7 +164,7 @@ HeightField::Reading HeightField::at(Point2 place, double radius) const {
   // A cell has many faces, and most are so far away that no rounding brings them within the radius.
   const double reach = 4 * radius + 1e-9 * (cell_x_ + cell_y_);
   const Box near = {place.x - reach, place.y - reach, place.x + reach, place.y + reach};
-  visit_cells({place.x - radius, place.y - radius, place.x + radius, place.y + radius}, [&](Index face) {
+  visit_cells({place.x - radius, place.y - radius, place.x + radius, place.y + radius}, near, [&](Index face) {
     if (apart(box_of(face), near)) return;
     const Hit h = hit(face, place, radius);
     if (h.distance2 > radius * radius) return;
@@ -153,10 +177,11 @@ HeightField::Reading HeightField::at(Point2 place, double radius) const {
 }
 
 std::optional<double> HeightField::nearest(Point2 place) const {
+  constexpr double far = std::numeric_limits<double>::infinity();
   for (double reach = 0; reach < 16; reach = reach == 0 ? 1 : 2 * reach) {
     Hit best{std::numeric_limits<double>::infinity(), 0, false};
     const double rx = reach * cell_x_, ry = reach * cell_y_;
-    visit_cells({place.x - rx, place.y - ry, place.x + rx, place.y + ry}, [&](Index face) {
+    visit_cells({place.x - rx, place.y - ry, place.x + rx, place.y + ry}, {-far, -far, far, far}, [&](Index face) {
       const Hit h = hit(face, place, 0);
       if (h.distance2 < best.distance2) best = h;
     });

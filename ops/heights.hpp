@@ -47,11 +47,19 @@ class HeightField {
     double distance2, z;
     bool border;
   };
+  /// Faces that follow each other, and lie near each other where the TIN is in canonical order.
+  struct Run {
+    Box box;
+    Index first, last;
+  };
   Box box_of(Index face) const;
-  void list(Index face);
+  void list(const Run& run);
+  void list_apart(Index face);
+  void list_in_row(int row, double xlow, double xhigh);
   Hit hit(Index face, Point2 place, double radius) const;
+  /// The faces in the cells that a box lies in, but for those in runs apart from `near`.
   template <class Visit>
-  void visit_cells(Box box, Visit visit) const;
+  void visit_cells(Box box, Box near, Visit visit) const;
 
   const Tin& tin_;
   std::vector<bool> border_;  // per half-edge 3 * face + corner
@@ -61,9 +69,10 @@ class HeightField {
   double cell_x_ = 1, cell_y_ = 1;  // sides of a cell
   double per_x_ = 1, per_y_ = 1;    // cells per unit of length
   struct Listed {
-    Index face, next;
+    Index run, next;
   };
-  std::vector<Index> first_;  // per cell: where its list of faces begins in listed_, or none
+  std::vector<Run> runs_;
+  std::vector<Index> first_;  // per cell: where its list of runs begins in listed_, or none
   std::vector<Listed> listed_;
 };
 
