@@ -44,16 +44,21 @@ class HilbertCurve {
         y_(box.ymin),
         half_extent_(std::max(0.5 * box.xmax - 0.5 * box.xmin, 0.5 * box.ymax - 0.5 * box.ymin)) {}
 
-  std::uint64_t key(double px, double py) const {
+  std::uint64_t key(double px, double py) const { return upper_key<64>(px, py); }
+
+  /// The key with all but its upper bits, a multiple of 8 of them, zero.
+  template <int bits>
+  std::uint64_t upper_key(double px, double py) const {
+    static_assert(bits % 8 == 0 && bits > 0 && bits <= 64);
     const std::uint32_t x = cell(px, x_), y = cell(py, y_);
     std::uint64_t key = 0;
     int state = 0;
-    for (int shift = 28; shift >= 0; shift -= 4) {
+    for (int shift = 28; shift >= 32 - bits / 2; shift -= 4) {
       const int xy = static_cast<int>((x >> shift & 15) << 4 | (y >> shift & 15));
       key = key << 8 | table.key[state][xy];
       state = table.next[state][xy];
     }
-    return key;
+    return key << (64 - bits);
   }
 
  private:

@@ -114,7 +114,7 @@ Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Fac
     for (std::size_t v = begin; v < end; ++v) {
       if (!used[v]) continue;
       const Point p = at(v);
-      *to++ = curve.key(p.x, p.y) >> index_bits << index_bits | v;
+      *to++ = curve.upper_key<40>(p.x, p.y) >> index_bits << index_bits | v;
     }
   });
   sort_by_upper_bits(keyed, context);
@@ -141,6 +141,21 @@ Face from_lowest(Index a, Index b, Index c) {
   if (b < a && b < c) return {b, c, a};
   if (c < a && c < b) return {c, a, b};
   return std::min({Face{a, b, c}, Face{b, c, a}, Face{c, a, b}});
+}
+
+/// Sorts faces with the same first corner, mostly two or three.
+void sort_few(Face* begin, Face* end) {
+  constexpr std::ptrdiff_t few = 8;
+  if (end - begin > few) return std::sort(begin, end);
+  const auto key = [](const Face& f) {
+    return std::uint64_t{static_cast<std::uint32_t>(f[1])} << 32 | static_cast<std::uint32_t>(f[2]);
+  };
+  for (Face* at = begin; at < end; ++at) {
+    const Face face = *at;
+    Face* to = at;
+    for (; to > begin && key(face) < key(to[-1]); --to) *to = to[-1];
+    *to = face;
+  }
 }
 
 /// canonical() of vertices and faces wherever they lie; faces whose first corner is none are left out.
@@ -188,7 +203,7 @@ Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces
     for (Index v = range.low; v < range.high; ++v) {
       Face* const begin = to;
       for (Index f = at_lowest.first[v]; f != none; f = at_lowest.next[f]) *to++ = faces[f];
-      if (to - begin > 1) std::sort(begin, to);
+      sort_few(begin, to);
     }
   });
   return result;
