@@ -7,6 +7,8 @@
 #include <cpl_vsi.h>
 #include <gdal_frmts.h>
 
+#include "io/gdal_library.hpp"
+
 namespace terrane {
 
 namespace {
@@ -30,6 +32,7 @@ std::string fresh_name(std::string_view extension) {
 
 void register_drivers() {
   static const bool done = [] {
+    load_gdal();
     GDALRegister_GTiff();
     GDALRegister_PNG();
     GDALRegister_MEM();
@@ -40,7 +43,7 @@ void register_drivers() {
 
 ClosedGdal::ClosedGdal() {
   register_drivers();
-  CPLPushErrorHandler(CPLQuietErrorHandler);
+  CPLPushErrorHandler(say_nothing);
   for (const auto& [key, value] : settings) {
     const char* before = CPLGetThreadLocalConfigOption(key, nullptr);
     before_.emplace_back(key, before ? before : "");

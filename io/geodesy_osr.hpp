@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include <cpl_error.h>
 #include <ogr_spatialref.h>
 
+#include "io/gdal_library.hpp"
 #include "io/geodesy.hpp"
 
 // What the files of the geodesy room share. Nobody else includes this.
@@ -32,8 +32,12 @@ struct Crs::Impl {
 };
 
 /// What GDAL and PROJ say while this lives goes nowhere: their texts may hold bytes of an input.
+/// Before it no object of OSR's may be made.
 struct Quiet {
-  Quiet() { CPLPushErrorHandler(CPLQuietErrorHandler); }
+  Quiet() {
+    load_gdal();
+    CPLPushErrorHandler(say_nothing);
+  }
   ~Quiet() {
     CPLPopErrorHandler();
     CPLErrorReset();

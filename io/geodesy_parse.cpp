@@ -106,7 +106,6 @@ bool nested_too_deep(std::string_view text) {
 }
 
 bool import_text(OGRSpatialReference& srs, const std::string& text) {
-  const Quiet quiet;
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   const bool done = is_wkt(text)
                         ? srs.importFromWkt(text.c_str()) == OGRERR_NONE
@@ -138,10 +137,10 @@ Crs Crs::parse(std::string_view given) {
   if (free_text && nested_too_deep(text)) bad_crs("the coordinate reference system is nested too deep");
   if (free_text && names_files(text))
     bad_crs("the coordinate reference system names grid files or PROJ pipelines, which is not allowed");
+  const Quiet quiet;
   OGRSpatialReference srs;
   if (!import_text(srs, definition))
     bad_crs(free_text ? "the coordinate reference system is not understood" : "the register has no " + definition);
-  const Quiet quiet;
   // PROJJSON names a file without a keyword of its own; in WKT it has one.
   char* wkt = nullptr;
   const char* options[] = {"FORMAT=WKT2_2019", nullptr};
