@@ -88,11 +88,11 @@ def _difference(subject, section, a, b, judged):
     def with_rasters():
         if not calc:
             raise NotRun('gdal_calc.py is not installed')
-        return runner.run(calc, '-A', a, '-B', b, '--calc=A-B', '--overwrite', '--quiet',
-                          f'--outfile={runner.file("difference.tif")}')[1]
+        return runner.run(calc, '-A', a, '-B', b, '--calc=A-B', '--quiet',
+                          f'--outfile={runner.absent("difference.tif")}')[1]
 
     def with_tins():
-        return runner.terrane('subtract', *tins, '--force', '-o', runner.file('difference.ply'))[0]
+        return runner.terrane('subtract', *tins, '-o', runner.absent('difference.ply'))[0]
     ours, theirs = 'difference of TINs (terrane subtract)', 'difference of rasters (gdal_calc.py)'
     times, absent = subject.take_turns({ours: with_tins, theirs: with_rasters}, subject.sizes.rounds)
     for name, measured in times.items():
@@ -127,7 +127,7 @@ def files(subject):
     a, b = subject.pair(subject.sizes.points)
     whole, kernel = '`subtract a.ply b.ply -o d.ply`', 'overlay within'
     times, absent = subject.take_turns(
-        {whole: lambda: runner.terrane('subtract', a, b, '--force', '-o', runner.file('d.ply'))[0],
+        {whole: lambda: runner.terrane('subtract', a, b, '-o', runner.absent('d.ply'))[0],
          kernel: lambda: runner.bench('overlay', a, b, '--threads', subject.cores, '--repeat', 1)['total_seconds']},
         subject.sizes.rounds)
     if absent:

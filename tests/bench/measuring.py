@@ -59,6 +59,13 @@ class Runner:
     def file(self, name):
         return os.path.join(self.scratch, name)
 
+    def absent(self, name):
+        """The path of a file that is not there: to replace one takes time of its own."""
+        path = self.file(name)
+        if os.path.exists(path):
+            os.remove(path)
+        return path
+
     def run(self, *words):
         """Standard output, wall seconds and peak bytes of a whole process."""
         words = [str(word) for word in words]

@@ -143,8 +143,8 @@ def merge(subject):
     for side in (4, 8):
         def once(side=side):
             chosen = [tiles[i, j] for j in range(side) for i in range(side)]
-            merged = subject.runner.file('merged.ply')
-            wall, peak[side] = subject.runner.terrane('merge', *chosen, '--force', '-o', merged)
+            merged = subject.runner.absent('merged.ply')
+            wall, peak[side] = subject.runner.terrane('merge', *chosen, '-o', merged)
             return wall
         contestants[f'merge of {side * side} tiles'] = once
     times, absent = subject.take_turns(contestants, subject.sizes.rounds)
