@@ -224,10 +224,12 @@ Box bounds(std::span<const Point> vertices, const Context& context) {
 
 Box bounds(const Tin& tin) { return bounds(tin.vertices, Context()); }
 
-Tin canonical(Tin tin, const Context& context) {
-  const auto at = [&](std::size_t v) { return tin.vertices[v]; };
-  return in_canonical_order(tin.vertices.size(), at, tin.faces, context);
+Tin canonical(std::span<const Point> vertices, std::vector<Face> faces, const Context& context) {
+  return in_canonical_order(
+      vertices.size(), [=](std::size_t v) { return vertices[v]; }, faces, context);
 }
+
+Tin canonical(Tin tin, const Context& context) { return canonical(tin.vertices, std::move(tin.faces), context); }
 
 Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces,
               const Context& context) {

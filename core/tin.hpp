@@ -56,6 +56,7 @@ Box bounds(const Tin& tin);
 /// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n).
 Tin canonical(Tin tin, const Context& context);
 Tin canonical(Tin tin);
+Tin canonical(std::span<const Point> vertices, std::vector<Face> faces, const Context& context);
 /// The same of parts that lie apart, without those faces whose first corner is none. Renumbers `faces`.
 Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces, const Context& context);
 

@@ -371,7 +371,7 @@ bool values_are_fit(const Tin& tin, const Context& context) {
 /// memory that is seen at once. None where it might: then the audit, on the elements as they came, says what it is.
 std::optional<Tin> sound_in_order(const Tin& tin, const Context& context) {
   if (!values_are_fit(tin, context)) return {};
-  Tin sorted = canonical(tin, context);
+  Tin sorted = canonical(tin.vertices, tin.faces, context);
   if (sorted.vertices.size() != tin.vertices.size()) return {};  // some were alike or of no face
   const auto border = sound_border(sorted, context);
   if (!border || !examine_border(sorted, *border, 0).sound()) return {};

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <mutex>
-#include <numeric>
 #include <utility>
 
 #include "core/error.hpp"
@@ -17,6 +15,7 @@
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
 #include "ops/sha256.hpp"
+#include "ops/side_by_side.hpp"
 
 // decode -> common frame -> run -> verify -> encode: the same for every door.
 namespace terrane {
@@ -84,7 +83,7 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Operation& op
   return surface;
 }
 
-/// All inputs in their order, several at a time; each has of the threads what it has of the bytes.
+/// All inputs in their order.
 std::vector<Surface> decode_all(const Plan& plan, Context& context) {
   const Operation& operation = *plan.operation;
   const std::vector<InputPart>& parts = plan.request.inputs;
@@ -92,24 +91,12 @@ std::vector<Surface> decode_all(const Plan& plan, Context& context) {
   std::vector<double> sizes;
   for (const InputPart& part : parts)
     sizes.push_back(static_cast<double>(part.open ? part.open().size : part.bytes.size()));
-  const double all = std::accumulate(sizes.begin(), sizes.end(), 1.0);
   std::vector<Surface> surfaces(parts.size());
-  std::vector<std::vector<Warning>> warnings(parts.size());
-  std::mutex one_at_a_time;
-  parallel_tasks(context, parts.size(), [&](std::size_t i) {
-    Context own;
-    own.threads = std::max(1, static_cast<int>(std::lround(context.threads * sizes[i] / all)));
-    own.on_progress = [&](std::string_view stage, double fraction) {
-      const std::lock_guard lock(one_at_a_time);
-      context.progress(stage, fraction);
-    };
+  side_by_side(sizes, context, [&](std::size_t i, Context& own) {
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
                                    [&](const InputSlot& s) { return s.name == parts[i].slot; });
     surfaces[i] = decode(parts[i], *slot, operation, own);
-    warnings[i] = std::move(own.warnings);
   });
-  for (std::vector<Warning>& of_one : warnings)
-    for (Warning& warning : of_one) context.warn(std::move(warning));
   return surfaces;
 }
 
@@ -194,9 +181,10 @@ void warn_of_heights(const HeightCheck& heights, const Tin& tin, Context& contex
   if (heights.max_error <= 1e-6 * largest) return;
   for (const Point& p : tin.vertices) largest = std::max(largest, std::fabs(p.z));
   if (heights.max_error > 1e-6 * largest)
-    context.warn({"height-check", "", "",
-                  "some height of the result is " + std::to_string(heights.max_error) + " off what the inputs say there",
-                  "look at the place, and report it with the inputs: results are meant to be exact"});
+    context.warn(
+        {"height-check", "", "",
+         "some height of the result is " + std::to_string(heights.max_error) + " off what the inputs say there",
+         "look at the place, and report it with the inputs: results are meant to be exact"});
 }
 
 void use_threads(const Plan& plan, Context& context) {

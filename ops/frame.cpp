@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/validate.hpp"
 #include "ops/heights.hpp"
 #include "ops/measure.hpp"
 #include "ops/parameters.hpp"
+#include "ops/side_by_side.hpp"
 
 namespace terrane {
 namespace {
@@ -22,8 +24,8 @@ namespace {
   const std::string which =
       &west == &east ? "those of " + range(west) : "together those of " + range(west) + " and " + range(east);
   throw Error(ErrorKind::input, "longitudes",
-              "longitudes go more than once round the globe: " + which +
-                  "; clip '" + east.name + "', or shift it to the range of the other inputs");
+              "longitudes go more than once round the globe: " + which + "; clip '" + east.name +
+                  "', or shift it to the range of the other inputs");
 }
 
 /// Whole tiles of geographic CRSs beside each other, however their longitudes are counted.
@@ -148,29 +150,48 @@ DemOptions dem_options(const Plan& plan, const Crs& crs) {
   return options;
 }
 
-struct Reprojection {
-  nlohmann::json from = nlohmann::json::array();
-  double planarity_error = 0;
-};
-
-void bring(Surface& s, const Crs& crs, const Plan& plan, Reprojection& moved, Context& context) {
-  if (crs.known() && differs(s.crs, crs)) {
-    const std::string from = s.crs.id();
-    if (std::find(moved.from.begin(), moved.from.end(), from) == moved.from.end()) moved.from.push_back(from);
-  }
+/// Makes a TIN in `crs` of a surface. Returns the planarity error that costs.
+double bring(Surface& s, const Crs& crs, const Plan& plan, Context& context) {
   if (const Raster* dem = std::get_if<Raster>(&s.value)) {
     DemTin made = dem_tin(*dem, s.crs, crs, s.name, dem_options(plan, crs), context);
     s.max_error = made.error;
-    moved.planarity_error = std::max(moved.planarity_error, made.planarity_error);
     s.value = std::move(made.tin);
-  } else {
-    Tin tin = std::move(std::get<Tin>(s.value));
-    if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
-    move_to(tin, s.crs, crs, s.name, moved.planarity_error, context);
-    // Places may have become one: a pole is a whole row of longitudes.
-    if (plan.operation->intake.check && differs(s.crs, crs)) tin = checked(std::move(tin), s.name, context);
-    s.value = std::move(tin);
+    return made.planarity_error;
   }
+  double planarity_error = 0;
+  Tin tin = std::move(std::get<Tin>(s.value));
+  if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
+  move_to(tin, s.crs, crs, s.name, planarity_error, context);
+  // Places may have become one: a pole is a whole row of longitudes.
+  if (plan.operation->intake.check && differs(s.crs, crs)) tin = checked(std::move(tin), s.name, context);
+  s.value = std::move(tin);
+  return planarity_error;
+}
+
+/// Makes TINs in `crs` of all surfaces, side by side unless there are rasters: one takes far more memory on its way to
+/// a TIN than the TIN does. Returns the largest planarity error.
+double bring_all(std::vector<Surface>& surfaces, const Crs& crs, const Plan& plan, std::vector<double>& areas,
+                 Context& context) {
+  std::vector<double> errors(surfaces.size(), 0), sizes;
+  areas.assign(surfaces.size(), 0);
+  bool rasters = false;
+  for (const Surface& s : surfaces) {
+    const Tin* tin = std::get_if<Tin>(&s.value);
+    sizes.push_back(tin ? static_cast<double>(tin->faces.size()) : 0);
+    rasters = rasters || std::holds_alternative<Raster>(s.value);
+  }
+  const auto one = [&](std::size_t i, Context& own) {
+    Surface& s = surfaces[i];
+    if (s.level()) return;
+    errors[i] = bring(s, crs, plan, own);
+    refuse_empty(s, *plan.operation);
+    areas[i] = domain_area(s.tin(), crs, own);
+  };
+  if (rasters)
+    for (std::size_t i = 0; i < surfaces.size(); ++i) one(i, context);
+  else
+    side_by_side(sizes, context, one);
+  return std::accumulate(errors.begin(), errors.end(), 0.0, [](double a, double b) { return std::max(a, b); });
 }
 
 }  // namespace
@@ -198,16 +219,20 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
   if (operation.intake.join_rasters)
     join_rasters(surfaces, plan.parameters.value("overlap", "") != "sum", frame.inputs);
 
-  Reprojection moved;
-  for (Surface& s : surfaces) {
+  nlohmann::json from = nlohmann::json::array();
+  for (const Surface& s : surfaces)
+    if (frame.crs.known() && differs(s.crs, frame.crs) && std::find(from.begin(), from.end(), s.crs.id()) == from.end())
+      from.push_back(s.crs.id());
+  std::vector<double> areas;
+  const double planarity_error = bring_all(surfaces, frame.crs, plan, areas, context);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const Surface& s = surfaces[i];
     if (s.level()) continue;
-    bring(s, frame.crs, plan, moved, context);
-    refuse_empty(s, operation);
     for (InputRecord& record : frame.inputs)
       if (record.joined.empty() && record.name == s.name && record.slot == s.slot && record.sha256 == s.sha256) {
         record.vertices = s.tin().vertices.size();
         record.faces = s.tin().faces.size();
-        record.area_2d = domain_area(s.tin(), frame.crs, context);
+        record.area_2d = areas[i];
       }
   }
   if (operation.intake.check) {
@@ -215,9 +240,9 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
     warn_distorted(surfaces, frame.crs, context);
   }
   for (Surface& s : surfaces) s.crs = frame.crs;
-  if (!moved.from.empty()) {
+  if (!from.empty()) {
     if (operation.intake.check) unwrap(surfaces);
-    frame.reprojection = {{"from", moved.from}, {"to", frame.crs.id()}, {"planarity_error", moved.planarity_error}};
+    frame.reprojection = {{"from", from}, {"to", frame.crs.id()}, {"planarity_error", planarity_error}};
   }
   return frame;
 }
