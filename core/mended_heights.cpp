@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/predicates.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 
@@ -36,13 +36,11 @@ bool mend_heights(const Array<Face>& faces, const std::vector<Index>& changed,
 }
 
 HeightError height_error(const Point2 (&c)[3], const double (&z)[3], double max_move) {
-  const double ux = c[1].x - c[0].x, uy = c[1].y - c[0].y, vx = c[2].x - c[0].x, vy = c[2].y - c[0].y;
-  const double du = z[1] - z[0], dv = z[2] - z[0];
-  const double rise = std::hypot(vy * du - uy * dv, ux * dv - vx * du) * (100 * max_move);
+  const double rise = max_move > 0 ? slope_of_triangle(c, z) * (100 * max_move) : 0;
   const double largest = std::max({1.0, std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
   const auto [lowest, highest] = std::minmax({z[0], z[1], z[2]});
   const double beyond = 1e-6 * (highest - lowest) + 1e-12 * largest;  // a vertex may lie there by as little
-  return {rise / area2_accurate(c[0], c[1], c[2]) + 1e-12 * largest, lowest - beyond, highest + beyond};
+  return {rise + 1e-12 * largest, lowest - beyond, highest + beyond};
 }
 
 }  // namespace terrane

@@ -79,4 +79,10 @@ double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p) 
   return std::clamp(height, std::min({z[0], z[1], z[2]}), std::max({z[0], z[1], z[2]}));
 }
 
+double slope_of_triangle(const Point2 (&c)[3], const double (&z)[3]) {
+  const double ux = c[1].x - c[0].x, uy = c[1].y - c[0].y, vx = c[2].x - c[0].x, vy = c[2].y - c[0].y;
+  const double du = z[1] - z[0], dv = z[2] - z[0];
+  return std::hypot(vy * du - uy * dv, ux * dv - vx * du) / area2_accurate(c[0], c[1], c[2]);
+}
+
 }  // namespace terrane

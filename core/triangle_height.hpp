@@ -30,4 +30,7 @@ double distance_to_triangle(const Point2 (&c)[3], Point2 p);
 /// must not run away on the sliver's plane.
 double height_on_triangle(const Point2 (&c)[3], const double (&z)[3], Point2 p);
 
+/// How far a triangle with corners c and heights z rises per distance in plan.
+double slope_of_triangle(const Point2 (&c)[3], const double (&z)[3]);
+
 }  // namespace terrane

@@ -6,6 +6,7 @@
 #include "core/edge_cuts.hpp"
 #include "core/mended_heights.hpp"
 #include "core/surface.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -134,28 +135,31 @@ class Carrier {
     }
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       if (!has_both(after_, static_cast<Index>(f))) continue;
+      const Index label = cut_.mesh.labels[f];
       for (int k = 0; k < 3; ++k) {
-        double rise[2] = {0, 0};
+        if (difference(after_, static_cast<Index>(f), k) == 0) continue;
+        // One height for all faces there: the flattest decides. A height per face: what others do is of no account.
+        double least[2] = {INFINITY, INFINITY};
         bool here = false;
-        for (Index i = lands_on[after_.faces[f][k]]; i != none; i = next[i]) {
-          here = here || owned(i, cut_.mesh.labels[f]);
-          for (int input : {0, 1}) rise[input] = std::max(rise[input], rise_along(cut_.made[i], input));
-        }
-        if (here) equate(f, k, rise[1] < rise[0] ? 1 : 0);
+        for (Index i = lands_on[after_.faces[f][k]]; i != none; i = next[i])
+          for (const Index owner : cut_.made[i].owners) {
+            here = here || owner == label;
+            for (int input : {0, 1})
+              if (owner == label || (owner != none && !after_.per_corner[input]))
+                least[input] = std::min(least[input], slope(owner, input));
+          }
+        if (here) equate(f, k, least[1] < least[0] ? 1 : 0);
       }
     }
   }
 
-  /// How far a surface rises along the edge that a vertex was made on.
-  double rise_along(const CutVertex& made, int input) const {
-    const Face& face = before_.faces[made.owners[0]];
-    const auto height = [&](Index v) {
-      return before_.height(input, made.owners[0], v == face[0] ? 0 : v == face[1] ? 1 : 2);
-    };
-    return std::fabs(height(made.q) - height(made.p));
+  /// Of a surface on a face of before. Not along the edge that a vertex was made on: the vertex may have left it, and a
+  /// sliver that is level along its edge can be steep across it.
+  double slope(Index face, int input) const {
+    const Face& c = before_.faces[face];
+    const auto z = [&](int k) { return before_.height(input, face, k); };
+    return slope_of_triangle({before_.points[c[0]], before_.points[c[1]], before_.points[c[2]]}, {z(0), z(1), z(2)});
   }
-
-  bool owned(Index i, Index label) const { return cut_.made[i].owners[0] == label || cut_.made[i].owners[1] == label; }
 
   void equate(std::size_t f, int corner, int flatter) {
     const auto at = [&](int input) -> double& {

@@ -377,6 +377,35 @@ TEST(Merge, ASurfaceThatJumpsKeepsItsHeightWhereASteeperOneCrossesIt) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, ASliverThatRisesLittleAlongItsEdgesLiftsNoTerrain) {
+  // The slivers rise 5e9 metres per metre, but less than the terrain along the edges that are cut where they cross it.
+  // The edge of the last tile runs over the terrain beside them.
+  const Tin terrain{{{19.289190248341637, 637.5395120970876, 61.394410551379195},
+                     {500, 500, -129.89738824282153},
+                     {95.320882984736514, 793.65764463358812, -11.352287826445078},
+                     {956.65453877582206, 703.63357339947959, 187.66187947923916},
+                     {998.76168429604047, 535.16791546533261, 165.03572476394763}},
+                    {{0, 1, 2}, {1, 4, 3}}};
+  const Tin slivers{{{58.648615959252858, 390.57955801325556, 264.42252378268086},
+                     {171.20360126981504, 418.48434480126718, -61.241647831720812},
+                     {322.96505370662288, 456.10925289087447, -95.533480931121531},
+                     {559.92963973060364, 514.85783850311225, 98.5348366633404},
+                     {806.31918314248423, 575.9430730022433, 814.70958661299608},
+                     {985.02782659135983, 620.24876541377773, -76.860160357849878}},
+                    {{0, 1, 2}, {3, 5, 4}}};
+  Tin more_slivers = slivers;
+  more_slivers.vertices.push_back({493.80493225451607, 498.46411007522062, 135.56058768391119});
+  more_slivers.faces.push_back({6, 5, 3});
+  const Tin cover{{{125, 375, 658.18552326920951},
+                   {125, 1075, 241.69975129476018},
+                   {625.51095930574434, 492.98926922323648, 767.46483755968688}},
+                  {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(terrain), canonical(slivers), canonical(more_slivers), canonical(cover)};
+  const MergeOptions options{Overlap::min, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
