@@ -182,7 +182,9 @@ class Judge {
 
   void judge_heights() {
     const RoundingReport& report = overlay_.rounding;
-    const double radius = 2 * report.max_move + 2 * report.max_snap + denormal;
+    // A vertex lies as far from its face as spills go, and has the height of the nearest place there.
+    const double spill = std::min(3 * report.max_move, report.max_spill);
+    const double radius = std::max(2 * report.max_move, spill) + 2 * report.max_snap + denormal;
     for (const int m : {0, 1}) {
       const HeightJudge judge(*inputs_[m]);
       std::map<Place, std::pair<double, bool>> own;  // of vertices of the input: the height, and whether it is the one
