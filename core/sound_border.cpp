@@ -90,7 +90,8 @@ bool places_are_shared(const Tin& tin, const std::vector<BorderEdge>& border) {
 }  // namespace
 
 std::optional<std::vector<BorderEdge>> sound_border(const Tin& tin, const Context& context) {
-  const auto& [vertices, faces] = tin;
+  const std::vector<Point>& vertices = tin.vertices;  // clang 14 lets no lambda capture a structured binding
+  const std::vector<Face>& faces = tin.faces;
   const auto n = static_cast<Index>(vertices.size());
   std::atomic<bool> sound = true;
   const Chains far = chains(n, faces.size(), faces.size(), context, [&](auto begin, auto end, const auto& hang) {
