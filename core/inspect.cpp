@@ -139,14 +139,14 @@ void measure_heights(const Tin& tin, Inspection& result, const Context& context)
 
 /// The components and holes of a sound surface by its border alone: where no place has two edges of it leaving, each of
 /// its rings is the outer one of a component or that of a hole. False, and nothing counted, where some place has.
-bool count_rings(const Tin& tin, std::vector<BorderEdge> border, Inspection& result) {
-  const auto less = [](const BorderEdge& a, const BorderEdge& b) { return a.from < b.from; };
+bool count_rings(const Tin& tin, std::vector<BorderHalfEdge> border, Inspection& result) {
+  const auto less = [](const BorderHalfEdge& a, const BorderHalfEdge& b) { return a.from < b.from; };
   std::sort(border.begin(), border.end(), less);
-  const auto twice = [](const BorderEdge& a, const BorderEdge& b) { return a.from == b.from; };
+  const auto twice = [](const BorderHalfEdge& a, const BorderHalfEdge& b) { return a.from == b.from; };
   if (std::adjacent_find(border.begin(), border.end(), twice) != border.end()) return false;
   const auto following = [&](std::size_t i) {
     return static_cast<std::size_t>(
-        std::lower_bound(border.begin(), border.end(), BorderEdge{0, border[i].to, 0}, less) - border.begin());
+        std::lower_bound(border.begin(), border.end(), BorderHalfEdge{0, border[i].to, 0}, less) - border.begin());
   };
   const auto at = [&](Index v) { return plan(tin.vertices[v]); };
   std::vector<bool> seen(border.size(), false);

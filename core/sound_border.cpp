@@ -39,7 +39,7 @@ class Spokes {
   void add_in(Index other, Index half_edge) { in_.push_back({other, half_edge}); }
 
   /// Lists the half-edges without a partner. False when two of them run the same way.
-  bool match(Index low, std::vector<BorderEdge>& border) {
+  bool match(Index low, std::vector<BorderHalfEdge>& border) {
     if (all_paired()) return true;
     const auto before = [](const Spoke& a, const Spoke& b) { return a.other < b.other; };
     const auto same = [](const Spoke& a, const Spoke& b) { return a.other == b.other; };
@@ -77,9 +77,9 @@ class Spokes {
 };
 
 /// Does any place have two vertices of the border?
-bool places_are_shared(const Tin& tin, const std::vector<BorderEdge>& border) {
+bool places_are_shared(const Tin& tin, const std::vector<BorderHalfEdge>& border) {
   std::vector<Index> vertices;
-  for (const BorderEdge& e : border) vertices.push_back(e.from), vertices.push_back(e.to);
+  for (const BorderHalfEdge& e : border) vertices.push_back(e.from), vertices.push_back(e.to);
   const auto key = [&](Index v) { return std::tuple(tin.vertices[v].x, tin.vertices[v].y, v); };
   std::sort(vertices.begin(), vertices.end(), [&](Index a, Index b) { return key(a) < key(b); });
   return std::adjacent_find(vertices.begin(), vertices.end(), [&](Index a, Index b) {
@@ -89,7 +89,7 @@ bool places_are_shared(const Tin& tin, const std::vector<BorderEdge>& border) {
 
 }  // namespace
 
-std::optional<std::vector<BorderEdge>> sound_border(const Tin& tin, const Context& context) {
+std::optional<std::vector<BorderHalfEdge>> sound_border(const Tin& tin, const Context& context) {
   const std::vector<Point>& vertices = tin.vertices;  // clang 14 lets no lambda capture a structured binding
   const std::vector<Face>& faces = tin.faces;
   const auto n = static_cast<Index>(vertices.size());
@@ -103,9 +103,9 @@ std::optional<std::vector<BorderEdge>> sound_border(const Tin& tin, const Contex
     }
   });
   if (!sound) return {};
-  std::vector<std::vector<BorderEdge>> found(far.ranges.size());
+  std::vector<std::vector<BorderHalfEdge>> found(far.ranges.size());
   far.for_ranges(context, [&](const Chains::Range& range) {
-    std::vector<BorderEdge>& border = found[&range - far.ranges.data()];
+    std::vector<BorderHalfEdge>& border = found[&range - far.ranges.data()];
     Spokes spokes;
     const auto at_range =
         std::partition_point(faces.begin(), faces.end(), [&](const Face& f) { return f[0] < range.low; });

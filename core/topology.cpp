@@ -266,8 +266,8 @@ PlanTopology plan_topology(const Tin& tin, Array<Index> places, const Context& c
   return topology;
 }
 
-std::vector<BorderEdge> border_edges(const Tin& tin, const PlanTopology& topology) {
-  std::vector<BorderEdge> edges;
+std::vector<BorderHalfEdge> border_edges(const Tin& tin, const PlanTopology& topology) {
+  std::vector<BorderHalfEdge> edges;
   edges.reserve(topology.border.size());
   for (const Index h : topology.border)
     edges.push_back({h, topology.place[topology.from(tin, h)], topology.place[topology.to(tin, h)]});

@@ -63,18 +63,18 @@ PlanTopology plan_topology(const Tin& tin, const Context& context = {});
 PlanTopology plan_topology(const Tin& tin, Array<Index> places, const Context& context = {});
 
 /// A half-edge without a mate and the places it runs between, the domain on its left.
-struct BorderEdge {
+struct BorderHalfEdge {
   Index half_edge, from, to;
 };
 
 /// The border of a topology, in the order of its half-edges.
-std::vector<BorderEdge> border_edges(const Tin& tin, const PlanTopology& topology);
+std::vector<BorderHalfEdge> border_edges(const Tin& tin, const PlanTopology& topology);
 
 /// The same without a topology, in a fraction of its time and memory, for a TIN as results and most inputs are: in
 /// canonical order, every face positive, no edge with two faces on one side, no place with two vertices of the border.
 /// None for any other TIN. Vertices are taken for places. That is right when examine_border() finds the border without
 /// fault: two fans of faces at one place would cover it twice, unless both lie on the border.
-std::optional<std::vector<BorderEdge>> sound_border(const Tin& tin, const Context& context = {});
+std::optional<std::vector<BorderHalfEdge>> sound_border(const Tin& tin, const Context& context = {});
 
 /// What the border says about the faces inside it. With every face positive, the number of faces over a place is the
 /// winding number of the border around it, so faces overlap exactly where that is neither 0 nor 1.
@@ -92,6 +92,6 @@ struct BorderReport {
 };
 
 /// Exact: a constrained Delaunay triangulation of the border alone. About 3 us per border edge.
-BorderReport examine_border(const Tin& tin, std::span<const BorderEdge> border, std::size_t limit);
+BorderReport examine_border(const Tin& tin, std::span<const BorderHalfEdge> border, std::size_t limit);
 
 }  // namespace terrane

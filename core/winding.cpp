@@ -39,7 +39,7 @@ using Triangle = Triangulation::Face_handle;
 /// The border of a TIN in a triangulation of its places.
 class Border {
  public:
-  Border(const Tin& tin, std::span<const BorderEdge> border) : tin_(tin), border_(border) {}
+  Border(const Tin& tin, std::span<const BorderHalfEdge> border) : tin_(tin), border_(border) {}
   BorderReport examine(std::size_t limit);
 
  private:
@@ -50,7 +50,7 @@ class Border {
 
   void insert_places();
   void insert_edges(BorderReport& report, std::size_t limit);
-  void note_crossing(const BorderEdge& edge, BorderReport& report, std::size_t limit) const;
+  void note_crossing(const BorderHalfEdge& edge, BorderReport& report, std::size_t limit) const;
   void trace_edges(BorderReport& report);
   /// A directed constrained edge of the triangulation, by the numbers of its ends in used_.
   struct Piece {
@@ -65,7 +65,7 @@ class Border {
   void collect_doubled(BorderReport& report, std::size_t limit);
 
   const Tin& tin_;
-  std::span<const BorderEdge> border_;
+  std::span<const BorderHalfEdge> border_;
   std::vector<Index> used_;       // the places on the border, sorted
   std::vector<Vertex> vertices_;  // beside used_
   Triangulation cdt_;
@@ -73,7 +73,7 @@ class Border {
 };
 
 void Border::insert_places() {
-  for (const BorderEdge& e : border_) used_.push_back(e.from), used_.push_back(e.to);
+  for (const BorderHalfEdge& e : border_) used_.push_back(e.from), used_.push_back(e.to);
   std::sort(used_.begin(), used_.end());
   used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
   std::vector<std::pair<Kernel::Point_2, Index>> points;
@@ -88,13 +88,13 @@ void Border::insert_places() {
 void Border::insert_edges(BorderReport& report, std::size_t limit) {
   // CGAL looks at every neighbour of the vertex that a constraint starts from: at a hub that would be quadratic.
   std::vector<Index> degree(used_.size(), 0);
-  for (const BorderEdge& e : border_) ++degree[vertex(e.from)->info()], ++degree[vertex(e.to)->info()];
+  for (const BorderHalfEdge& e : border_) ++degree[vertex(e.from)->info()], ++degree[vertex(e.to)->info()];
   // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown
   // (2015).
-  std::vector<BorderEdge> order(border_.begin(), border_.end());
+  std::vector<BorderHalfEdge> order(border_.begin(), border_.end());
   std::mt19937 random;
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  for (const BorderEdge& e : order) {
+  for (const BorderHalfEdge& e : order) {
     Vertex a = vertex(e.from), b = vertex(e.to);
     if (degree[a->info()] > degree[b->info()]) std::swap(a, b);
     try {
@@ -106,9 +106,9 @@ void Border::insert_edges(BorderReport& report, std::size_t limit) {
   }
 }
 
-void Border::note_crossing(const BorderEdge& edge, BorderReport& report, std::size_t limit) const {
+void Border::note_crossing(const BorderHalfEdge& edge, BorderReport& report, std::size_t limit) const {
   const Point2 a = at(edge.from), b = at(edge.to);
-  for (const BorderEdge& other : border_) {
+  for (const BorderHalfEdge& other : border_) {
     if (report.crossing.size() >= limit) return;
     const Point2 p = at(other.from), q = at(other.to);
     if (orientation(a, b, p) * orientation(a, b, q) < 0 && orientation(p, q, a) * orientation(p, q, b) < 0)
@@ -146,7 +146,7 @@ const Border::Piece* Border::first_piece(Index a, Index b) const {
 
 /// Adds the flux of every border half-edge to the pieces it is made of, and notes the places between them.
 void Border::trace_edges(BorderReport& report) {
-  for (const BorderEdge& e : border_) {
+  for (const BorderHalfEdge& e : border_) {
     const Index last = vertex(e.to)->info();
     for (Index v = vertex(e.from)->info(); v != last;) {
       const Piece* piece = first_piece(v, last);
@@ -214,7 +214,7 @@ BorderReport Border::examine(std::size_t limit) {
 
 }  // namespace
 
-BorderReport examine_border(const Tin& tin, std::span<const BorderEdge> border, std::size_t limit) {
+BorderReport examine_border(const Tin& tin, std::span<const BorderHalfEdge> border, std::size_t limit) {
   return Border(tin, border).examine(limit);
 }
 

@@ -57,7 +57,7 @@ HeightField::HeightField(const Tin& tin, int faces_per_cell)
     : tin_(tin), border_(3 * tin.faces.size()), box_(bounds(tin)) {
   auto border = sound_border(tin);
   if (!border) border = border_edges(tin, plan_topology(tin));
-  for (const BorderEdge& e : *border) {
+  for (const BorderHalfEdge& e : *border) {
     border_[e.half_edge] = true;
     border_edges_.push_back({plan(tin.vertices[e.from]), plan(tin.vertices[e.to])});
   }
