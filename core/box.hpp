@@ -19,6 +19,12 @@ inline Box around(const Box& a, const Box& b) {
 }
 inline Box around(const Box& box, Point2 p) { return around(box, Box{p.x, p.y, p.x, p.y}); }
 
+/// A box with room to spare around another one, out to which ghost faces go.
+inline Box frame_around(const Box& box) {
+  const double margin = 1 + (box.xmax - box.xmin) + (box.ymax - box.ymin);
+  return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
+}
+
 /// bounds() on the context's threads.
 Box bounds(std::span<const Point> vertices, const Context& context);
 

@@ -1,25 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/exterior.hpp"
 
-#include <algorithm>
-#include <cmath>
-
+#include "core/box.hpp"
 #include "core/region_fill.hpp"
 
 namespace terrane {
 
 void add_exterior(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place) {
   std::vector<BorderEdge> outside;  // the border as the exterior sees it: the outside on the left
-  Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
+  Box box = no_box;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
     for (int k = 0; k < 3; ++k) {
       if (mesh.neighbours[f][k] != none) continue;
       outside.push_back({mesh.faces[f][(k + 2) % 3], mesh.faces[f][(k + 1) % 3]});
-      const Point2 p = mesh.points[outside.back().from];  // every end of the border is the start of an edge
-      box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
+      box = around(box, mesh.points[outside.back().from]);  // every end of the border is the start of an edge
     }
-  const double margin = 1 + (box.xmax - box.xmin) + (box.ymax - box.ymin);
-  box = {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
+  box = frame_around(box);
   const Index n = static_cast<Index>(mesh.points.size());
   for (const Point2 corner : {Point2{box.xmin, box.ymin}, Point2{box.xmax, box.ymin}, Point2{box.xmax, box.ymax},
                               Point2{box.xmin, box.ymax}})

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/arrangement.hpp"
+#include "core/box.hpp"
 #include "core/error.hpp"
 #include "core/heights.hpp"
 #include "core/mended_heights.hpp"
@@ -18,22 +19,13 @@
 namespace terrane {
 namespace {
 
-Box frame_around(const Tin& a, const Tin& b) {
-  Box box = bounds(a);
-  const Box other = bounds(b);
-  box = {std::min(box.xmin, other.xmin), std::min(box.ymin, other.ymin), std::max(box.xmax, other.xmax),
-         std::max(box.ymax, other.ymax)};
-  const double margin = 1 + (box.xmax - box.xmin) + (box.ymax - box.ymin);
-  return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
-}
-
 /// Completes A and B and snaps B's vertices to A's, the two completions side by side.
 struct Prepared {
   CompletedMesh a;
   Snapped b;
 };
 Prepared prepare(const Tin& a, const Tin& b, double snap, Context& context) {
-  const Box frame = frame_around(a, b);
+  const Box frame = frame_around(around(bounds(a), bounds(b)));
   CompletedMesh completed[2];
   parallel_tasks(context, 2, [&](std::size_t m) { completed[m] = complete(m == 0 ? a : b, frame); });
   Snapped snapped = snap_places(b, frame, std::move(completed[1]), completed[0], snap, context);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/box.hpp"
 #include "core/completed.hpp"
 #include "core/error.hpp"
 #include "core/grid_heights.hpp"
@@ -27,12 +28,6 @@ double area_in_plan(const Array<Point2>& points, const Array<Face>& faces) {
   Sum area;
   for (const Face& f : faces) area.add(0.5 * area2_accurate(points[f[0]], points[f[1]], points[f[2]]));
   return area.value();
-}
-
-Box frame_around(const Tin& tin) {
-  const Box box = bounds(tin);
-  const double margin = 1 + (box.xmax - box.xmin) + (box.ymax - box.ymin);
-  return {box.xmin - margin, box.ymin - margin, box.xmax + margin, box.ymax + margin};
 }
 
 }  // namespace
@@ -65,7 +60,7 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
   const Box box = bounds(tin);
   if (grid.step() > (box.xmax - box.xmin) + (box.ymax - box.ymin)) refuse("no face is left of the surface");
   context.progress("grid", 0);
-  const CompletedMesh completed = complete(tin, frame_around(tin));
+  const CompletedMesh completed = complete(tin, frame_around(bounds(tin)));
   const Index moving = completed.real_places();
   PlanarMesh mesh;
   mesh.points = completed.places;
