@@ -104,6 +104,15 @@ void read_file(const std::string& path, InputPart& part) {
   } while (!large);
 }
 
+std::string read_whole_file(const std::string& path) {
+  const Descriptor file(open_input(path));
+  std::string bytes;
+  std::vector<char> block(1 << 16);
+  while (const std::size_t count = read_some(file.get(), block.data(), block.size(), path))
+    bytes.append(block.data(), count);
+  return bytes;
+}
+
 void refuse_existing(const std::string& path, bool force) {
   struct stat facts {};
   if (path.empty() || path == "-" || ::stat(path.c_str(), &facts) != 0) return;

@@ -13,6 +13,9 @@ namespace terrane {
 /// apart; everything else is held. Throws Error{input}.
 void read_file(const std::string& path, InputPart& part);
 
+/// All of a file, or of standard input for "-". Throws Error{input}.
+std::string read_whole_file(const std::string& path);
+
 /// Throws Error{usage} when the path holds something already and may not be replaced.
 void refuse_existing(const std::string& path, bool force);
 

@@ -45,6 +45,8 @@ std::string placeholder(const Parameter& p) {
     case Parameter::Type::text: return " TEXT";
     case Parameter::Type::crs: return " CRS";
     case Parameter::Type::length: return " LENGTH";
+    case Parameter::Type::numbers: return " NUMBERS";
+    case Parameter::Type::vectors: return " FILE|TEXT";
     case Parameter::Type::choice: break;
   }
   std::string words;

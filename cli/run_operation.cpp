@@ -54,6 +54,17 @@ void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
   }
 }
 
+/// A parameter that takes vectors may name a file.
+void read_vector_files(const Operation& operation, Request& request) {
+  for (auto& [name, value] : request.parameters) {
+    const auto parameter = std::find_if(operation.parameters.begin(), operation.parameters.end(),
+                                        [&name = name](const Parameter& p) { return p.name == name; });
+    if (parameter == operation.parameters.end() || parameter->type != Parameter::Type::vectors) continue;
+    if (vector_format(value) && ::access(value.c_str(), F_OK) != 0) continue;
+    value = read_whole_file(value);
+  }
+}
+
 void print_warnings(const std::vector<Warning>& warnings) {
   for (const Warning& w : warnings)
     std::fprintf(stderr, "warning: %s%s%s%s%s\n", w.message.c_str(), w.element.empty() ? "" : " (", w.element.c_str(),
@@ -81,6 +92,7 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   refuse_existing(line.output, line.force);
   refuse_existing(line.report, line.force);
   read_inputs(operation, request.inputs);
+  read_vector_files(operation, request);
   const Plan made = plan(std::move(request));
   const ResultKind kind = operation.kind(made.parameters);
   const bool prints = kind == ResultKind::report || kind == ResultKind::table;

@@ -73,6 +73,10 @@ const Format* format_of_bytes(std::string_view head);
 std::string written(const Format& format, const Tin& tin, const Crs& crs, const WriteOptions& options,
                     Context& context);
 
+/// A raster as "tif" (GeoTIFF) or "asc" (ESRI ASCII grid, which has no CRS). Voids are -9999. The same bytes for the same
+/// value.
+std::string write_raster(const Raster& raster, const Crs& crs, std::string_view word);
+
 /// A picture as PNG bytes.
 std::string write_png(const Picture& picture);
 

@@ -42,6 +42,8 @@ std::vector<std::string> formats_of(ResultKind kind) {
   if (kind == ResultKind::report) return {"json"};
   if (kind == ResultKind::table) return {"json", "csv"};
   if (kind == ResultKind::picture) return {"png"};
+  if (kind == ResultKind::raster) return {"tif", "asc"};
+  if (kind == ResultKind::vectors) return {"geojson", "gpkg", "dxf"};
   std::vector<std::string> words;
   for (const Format& format : formats())
     if (format.write) words.push_back(format.name);
@@ -53,6 +55,9 @@ std::vector<std::string> formats_of(ResultKind kind) {
 std::string media_type_of(std::string_view word) {
   if (word == "csv") return "text/csv";
   if (word == "png") return "image/png";
+  if (word == "geojson") return "application/geo+json";
+  if (word == "gpkg") return "application/geopackage+sqlite3";
+  if (word == "dxf") return "image/vnd.dxf";
   if (const Format* format = format_named(word)) return format->media_type;
   return "application/json";
 }

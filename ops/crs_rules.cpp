@@ -145,6 +145,15 @@ const Crs& most_telling(const std::vector<const Surface*>& surfaces) {
       ->crs;
 }
 
+/// What is made from nothing is where `crs` says.
+Crs crs_of_nothing(const Plan& plan) {
+  if (!text_parameter(plan, "target-crs").empty())
+    throw Error(ErrorKind::usage, "bad-parameter",
+                "'" + plan.operation->id + "' has no input to transform; say with crs where the result is");
+  const auto rules = parse_crs_rules(text_parameter(plan, "crs"), {});
+  return rules.empty() ? Crs() : Crs::parse(rules.front().crs);
+}
+
 }  // namespace
 
 Box box_of(const Surface& surface) {
@@ -170,6 +179,7 @@ void assign_crs(std::vector<Surface>& surfaces, const Plan& plan) {
 }
 
 Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& context) {
+  if (surfaces.empty()) return crs_of_nothing(plan);
   std::vector<const Surface*> known, unknown;
   for (const Surface& s : surfaces)
     if (!s.level()) (s.crs.known() ? known : unknown).push_back(&s);

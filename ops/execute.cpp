@@ -154,6 +154,17 @@ std::string extension_of(const std::string& word) {
   return format && word != "json" ? format->extensions.front() : "." + word;
 }
 
+/// What is no TIN, in the format that was chosen.
+std::string encoded(const Outcome& outcome, const nlohmann::json& report, const std::string& word, const Crs& crs) {
+  if (const auto* raster = std::get_if<Raster>(&outcome.result)) return write_raster(*raster, crs, word);
+  if (const auto* picture = std::get_if<Picture>(&outcome.result)) return write_png(*picture);
+  if (const auto* vectors = std::get_if<Vectors>(&outcome.result)) return write_vectors(*vectors, word);
+  if (word == "csv") return outcome.csv;
+  if (word == "png") return write_png(outcome.picture());
+  if (word == "json") return report.dump(2) + "\n";
+  return write_vectors(outcome.vectors, word);
+}
+
 /// Rasters that were joined have no seam between them; the seam report says so.
 void name_joined(const Frame& frame, Outcome& outcome) {
   if (!outcome.certificate.contains("seams")) return;
@@ -199,7 +210,7 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
-  Outcome outcome = plan.operation->run(surfaces, plan.parameters, context);
+  Outcome outcome = plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context)}, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);
@@ -223,13 +234,18 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
       response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
     };
     verify_and_encode(plan, frame, *tin, verify, body, response, context);
-  } else if (const Picture* picture = std::get_if<Picture>(&outcome.result)) {
-    response.report = report_certificate(plan, frame, context);
-    response.body = write_png(*picture);
   } else {
-    response.report = std::move(std::get<nlohmann::json>(outcome.result));
-    response.report["certificate"] = report_certificate(plan, frame, context);
-    response.body = plan.output_format == "csv" ? outcome.csv : response.report.dump(2) + "\n";
+    response.report = report_certificate(plan, frame, context);
+    if (auto* report = std::get_if<nlohmann::json>(&outcome.result)) {
+      (*report)["certificate"] = std::move(response.report);
+      response.report = std::move(*report);
+    } else {
+      response.report.update(outcome.certificate);
+    }
+    for (Vectors* vectors : {std::get_if<Vectors>(&outcome.result), &outcome.vectors})
+      if (vectors) vectors->crs = frame.crs;
+    context.progress("write", 0);
+    response.body = encoded(outcome, response.report, plan.output_format, frame.crs);
   }
   if (body.sink && !response.body.empty()) body.sink(std::exchange(response.body, {}));
   response.warnings = context.warnings;

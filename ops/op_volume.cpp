@@ -15,13 +15,13 @@ namespace {
 
 struct VolumeParameters {
   Length tolerance;
-  std::string levels;
+  std::vector<double> levels;
   double cut_factor = 1, fill_factor = 1;
   bool allow_empty = false;
 
   void visit(Fields& f) {
     f.length("tolerance", tolerance, {.minimum = 0}, "Differences in height up to this count as the same.");
-    f.text("levels", levels,
+    f.numbers("levels", levels,
            "Levels instead of a reference, a row each: a list (90,95,100) or from:to:step (90:110:5).");
     f.number("cut-factor", cut_factor, {.minimum = 0}, "",
              "What cut volumes are multiplied by in the adjusted net (bulking).");
@@ -30,32 +30,6 @@ struct VolumeParameters {
     f.boolean("allow-empty", allow_empty, "Return zeros, with a warning, where the two do not overlap.");
   }
 };
-
-std::vector<double> parse_levels(const std::string& text) {
-  const auto wrong = [&](const char* why) -> Error {
-    return {ErrorKind::usage, "bad-parameter", "parameter 'levels' is '" + text.substr(0, 80) + "'; " + why};
-  };
-  const auto split = [&](char mark) {
-    std::vector<double> values;
-    std::size_t begin = 0;
-    while (begin <= text.size()) {
-      const std::size_t end = std::min(text.find(mark, begin), text.size());
-      const auto value = parse_number(std::string_view(text).substr(begin, end - begin));
-      if (!value) throw wrong("it takes numbers separated by commas, or from:to:step");
-      values.push_back(*value);
-      begin = end + 1;
-    }
-    return values;
-  };
-  if (text.find(':') == std::string::npos) return split(',');
-  const auto range = split(':');
-  if (range.size() != 3 || range[2] <= 0 || range[1] < range[0]) throw wrong("a range is from:to:step, upwards");
-  const double steps = std::floor((range[1] - range[0]) / range[2] * (1 + 1e-12));
-  if (steps > 10000) throw wrong("that is more than 10000 levels");
-  std::vector<double> levels;
-  for (int i = 0; i <= steps; ++i) levels.push_back(range[0] + i * range[2]);
-  return levels;
-}
 
 void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
   const auto p = filled<VolumeParameters>(values);
@@ -66,7 +40,6 @@ void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
   if (!reference && p.levels.empty())
     throw Error(ErrorKind::usage, "missing-input",
                 "'volume' needs the input 'reference' (a TIN, a raster or a number), or the parameter levels");
-  if (!p.levels.empty()) parse_levels(p.levels);
 }
 
 Outcome run(std::vector<Surface>& inputs, const VolumeParameters& p, Context& context) {
@@ -81,7 +54,7 @@ Outcome run(std::vector<Surface>& inputs, const VolumeParameters& p, Context& co
       warn_no_overlap(surface, *reference, context);
     }
   } else {
-    const auto levels = reference ? std::vector<double>{std::get<double>(reference->value)} : parse_levels(p.levels);
+    const auto levels = reference ? std::vector<double>{std::get<double>(reference->value)} : p.levels;
     for (double level : levels) report.add_level(level, context);
   }
   Outcome outcome;

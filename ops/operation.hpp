@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/vectors.hpp"
 #include "ops/request.hpp"
 
 // One description per operation, from which parsing, validation, command-line flags, help, the OGC process description,
@@ -24,8 +26,10 @@ struct Parameter {
     choice,
     text,
     crs,
-    length
-  };  // length: a number with an optional m, ft, ftUS
+    length,   // a number with an optional m, ft, ftUS
+    numbers,  // a list 90,95,100 or a range from:to:step
+    vectors   // points, lines or polygons: a file, or written out
+  };
   std::string name;  // kebab-case
   Type type = Type::text;
   nlohmann::json default_value;  // null: no default, absent means not asked for
@@ -57,8 +61,14 @@ struct Surface {
 
 struct Outcome;  // what run returns: a TIN with its report parts, a picture, or a JSON report; ops/outcome.hpp
 
-/// What kind of thing an operation returns, which decides the formats it can have.
-enum class ResultKind { surface, report, table, picture };  // table: a report that can also be CSV
+/// The values of an operation's parameters, as its run sees them.
+struct Values {
+  nlohmann::json plain;                    // by name, defaults filled in; of vectors what the certificate says of them
+  std::map<std::string, Vectors> vectors;  // decoded and in the frame's CRS
+};
+
+/// What kind of thing an operation returns, which decides the formats it can have unless it lists them itself.
+enum class ResultKind { surface, report, table, picture, raster, vectors };  // table: a report that can also be CSV
 
 /// How inputs are brought into the common frame before `run`.
 struct Intake {
@@ -73,7 +83,7 @@ struct Operation {
   std::vector<InputSlot> inputs = {};
   std::vector<Parameter> parameters = {};  // its own; those of every operation are in common_parameters()
   std::vector<std::string> output_formats = {};  // every format it can have; the first is the default
-  std::function<Outcome(std::vector<Surface>& inputs, const nlohmann::json& parameters, Context&)> run = {};
+  std::function<Outcome(std::vector<Surface>& inputs, const Values& values, Context&)> run = {};
 
   ResultKind result = ResultKind::surface;
   Intake intake = {};

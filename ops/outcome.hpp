@@ -11,8 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/overlay.hpp"
+#include "core/raster.hpp"
 #include "core/shade.hpp"
 #include "core/tin.hpp"
+#include "io/vectors.hpp"
 
 namespace terrane {
 
@@ -31,8 +33,11 @@ using HeightFields = std::vector<std::shared_ptr<const HeightField>>;
 
 /// What an operation's run returns.
 struct Outcome {
-  std::variant<Tin, Picture, nlohmann::json> result;
-  std::string csv;  // the report as a table, where the operation has one
+  std::variant<Tin, Raster, Picture, Vectors, nlohmann::json> result;
+  // What a report can be besides, where the operation has it.
+  std::string csv;
+  Vectors vectors;
+  std::function<Picture()> picture;
   std::optional<RoundingReport> rounding;
   HeightFold expected_height;  // null: nothing to check heights against
   HeightFields fields;         // where the run has needed them; else the check makes its own

@@ -111,10 +111,46 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
       check_range(p, value.value, text, "a length");
       return value.json();
     }
+    case Parameter::Type::numbers:
+      return parse_numbers(text, p.name);
+    case Parameter::Type::vectors:
+      if (!vector_format(text))
+        refuse(p, text, "GeoJSON, WKT, a GeoPackage, a zipped Shapefile, DXF, or coordinates x,y;x,y");
+      return nullptr;  // what is kept of them is the plan's
     case Parameter::Type::crs:
-    case Parameter::Type::text: return std::string(trimmed(text));
+    case Parameter::Type::text:
+      return std::string(trimmed(text));
   }
   return nullptr;
+}
+
+std::vector<double> parse_numbers(std::string_view text, const std::string& parameter) {
+  const auto wrong = [&](const char* why) -> Error {
+    return {ErrorKind::usage, "bad-parameter",
+            "parameter '" + parameter + "' is '" + std::string(text.substr(0, 80)) + "'; " + why};
+  };
+  constexpr std::size_t most = 10000;
+  const auto split = [&](char mark) {
+    std::vector<double> values;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+      const std::size_t end = std::min(text.find(mark, begin), text.size());
+      const auto value = parse_number(text.substr(begin, end - begin));
+      if (!value) throw wrong("it takes numbers separated by commas, or from:to:step");
+      if (values.size() == most) throw wrong("that is more than 10000 numbers");
+      values.push_back(*value);
+      begin = end + 1;
+    }
+    return values;
+  };
+  if (text.find(':') == std::string_view::npos) return split(',');
+  const auto range = split(':');
+  if (range.size() != 3 || range[2] <= 0 || range[1] < range[0]) throw wrong("a range is from:to:step, upwards");
+  const double steps = std::floor((range[1] - range[0]) / range[2] * (1 + 1e-12));
+  if (!(steps < most)) throw wrong("that is more than 10000 numbers");
+  std::vector<double> values;
+  for (int i = 0; i <= steps; ++i) values.push_back(range[0] + i * range[2]);
+  return values;
 }
 
 std::vector<CrsRule> parse_crs_rules(std::string_view text, const std::vector<std::string>& names) {
@@ -200,6 +236,20 @@ void Fields::crs(const char* name, std::string& field, const char* sentence) {
     describe({name, Parameter::Type::crs, nullptr, {}, {}, {}, "", sentence});
   else if (const auto* value = find(name))
     field = value->get<std::string>();
+}
+
+void Fields::numbers(const char* name, std::vector<double>& field, const char* sentence) {
+  if (described_)
+    describe({name, Parameter::Type::numbers, nullptr, {}, {}, {}, "", sentence});
+  else if (const auto* value = find(name))
+    field = value->get<std::vector<double>>();
+}
+
+void Fields::vectors(const char* name, std::optional<Vectors>& field, const char* sentence) {
+  if (described_) return describe({name, Parameter::Type::vectors, nullptr, {}, {}, {}, "", sentence});
+  if (!find(name)) return;
+  field.emplace();
+  if (vectors_) field = vectors_->at(name);
 }
 
 void CommonParameters::visit(Fields& f) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,7 +41,8 @@ class Fields {
   };
 
   explicit Fields(std::vector<Parameter>& described) : described_(&described) {}
-  explicit Fields(const nlohmann::json& values) : values_(&values) {}
+  explicit Fields(const nlohmann::json& values, const std::map<std::string, Vectors>* vectors = nullptr)
+      : values_(&values), vectors_(vectors) {}
 
   void number(const char* name, double& field, Bounds bounds, const char* unit, const char* sentence);
   void integer(const char* name, std::optional<long>& field, Bounds bounds, const char* sentence);
@@ -49,6 +51,9 @@ class Fields {
   void length(const char* name, Length& field, Bounds bounds, const char* sentence);
   void text(const char* name, std::string& field, const char* sentence);
   void crs(const char* name, std::string& field, const char* sentence);
+  void numbers(const char* name, std::vector<double>& field, const char* sentence);
+  /// Given for a check of parameters, the field is only known to be empty or not.
+  void vectors(const char* name, std::optional<Vectors>& field, const char* sentence);
 
   template <class E>
   void choice(const char* name, E& field, std::initializer_list<std::pair<const char*, E>> words,
@@ -72,6 +77,7 @@ class Fields {
 
   std::vector<Parameter>* described_ = nullptr;
   const nlohmann::json* values_ = nullptr;
+  const std::map<std::string, Vectors>* vectors_ = nullptr;
 };
 
 /// The parameters of a struct, described; its members hold the defaults.
@@ -85,9 +91,9 @@ std::vector<Parameter> described() {
 
 /// A struct of parameters filled from a plan's values.
 template <class P>
-P filled(const nlohmann::json& values) {
+P filled(const nlohmann::json& values, const std::map<std::string, Vectors>* vectors = nullptr) {
   P parameters;
-  Fields fields(values);
+  Fields fields(values, vectors);
   parameters.visit(fields);
   return parameters;
 }
@@ -96,10 +102,10 @@ P filled(const nlohmann::json& values) {
 template <class P>
 Operation operation(Operation description, Outcome (*run)(std::vector<Surface>&, const P&, Context&)) {
   description.parameters = described<P>();
-  description.run = [run](std::vector<Surface>& inputs, const nlohmann::json& values, Context& context) {
-    return run(inputs, filled<P>(values), context);
+  description.run = [run](std::vector<Surface>& inputs, const Values& values, Context& context) {
+    return run(inputs, filled<P>(values.plain, &values.vectors), context);
   };
-  description.output_formats = formats_of(description.result);
+  if (description.output_formats.empty()) description.output_formats = formats_of(description.result);
   return description;
 }
 
@@ -121,6 +127,9 @@ struct CrsRule {
   std::string crs;
 };
 std::vector<CrsRule> parse_crs_rules(std::string_view text, const std::vector<std::string>& names);
+
+/// "90,95,100" or "90:110:5", at most 10000 of them. Throws Error{usage} naming the parameter.
+std::vector<double> parse_numbers(std::string_view text, const std::string& parameter);
 
 /// A number that fills the whole text, and is finite.
 std::optional<double> parse_number(std::string_view text);

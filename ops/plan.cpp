@@ -7,6 +7,7 @@
 #include "ops/input_format.hpp"
 #include "ops/operation.hpp"
 #include "ops/parameters.hpp"
+#include "ops/sha256.hpp"
 
 // Every complaint that can be made before an input is decoded is made here.
 namespace terrane {
@@ -45,14 +46,21 @@ void check_crs(const std::string& name, const std::string& text, const Request& 
     }
 }
 
-nlohmann::json parse_parameters(Request& request, const Operation& operation) {
+/// What a certificate says of vectors: themselves when they are short, else what they can be known again by.
+nlohmann::json shown(const std::string& vectors) {
+  const bool text = std::all_of(vectors.begin(), vectors.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (text && vectors.size() <= 200) return vectors;
+  return {{"bytes", vectors.size()}, {"sha256", sha256(vectors)}};
+}
+
+nlohmann::json parse_parameters(Request& request, const Operation& operation, Plan& made) {
   const auto all = parameters_of(operation);
   nlohmann::json values = nlohmann::json::object();
   for (const Parameter* p : all)
     if (!p->default_value.is_null()) values[p->name] = p->default_value;
 
   std::set<std::string> seen;
-  for (const auto& [name, text] : request.parameters) {
+  for (auto& [name, text] : request.parameters) {
     const auto it =
         std::find_if(all.begin(), all.end(), [&name = name](const Parameter* p) { return p->name == name; });
     if (it == all.end()) {
@@ -64,6 +72,10 @@ nlohmann::json parse_parameters(Request& request, const Operation& operation) {
     if (!seen.insert(name).second)
       throw Error(ErrorKind::usage, "repeated-parameter", "parameter '" + name + "' is given more than once");
     values[name] = parse_parameter(**it, text);
+    if ((*it)->type == Parameter::Type::vectors) {
+      values[name] = shown(text);
+      made.vectors[name] = std::move(text);
+    }
     if ((*it)->type == Parameter::Type::crs) check_crs(name, values[name], request, operation);
   }
   if (const auto it = values.find("format"); it != values.end()) {
@@ -138,7 +150,7 @@ std::string format_by_name(const std::string& file, ResultKind kind, const std::
 }
 
 std::string choose_format(const Request& request, const Operation& operation, ResultKind kind) {
-  const auto possible = formats_of(kind);
+  const auto possible = operation.result_with ? formats_of(kind) : operation.output_formats;
   const auto check = [&](const std::string& word) {
     if (std::find(possible.begin(), possible.end(), word) == possible.end()) refuse_format(operation, word, possible);
     return word;
@@ -163,7 +175,7 @@ std::string choose_format(const Request& request, const Operation& operation, Re
 Plan plan(Request request) {
   Plan made;
   made.operation = &find_operation(request.operation);
-  made.parameters = parse_parameters(request, *made.operation);
+  made.parameters = parse_parameters(request, *made.operation, made);
   made.output_format = choose_format(request, *made.operation, made.operation->kind(made.parameters));
   check_inputs(request, *made.operation);
   if (made.operation->check) made.operation->check(made.parameters, request.inputs);

@@ -14,6 +14,8 @@ std::string type_word(const Parameter& p) {
     case Parameter::Type::text: text = "text"; break;
     case Parameter::Type::crs: text = "CRS"; break;
     case Parameter::Type::length: text = "length"; break;
+    case Parameter::Type::numbers: text = "numbers, or from:to:step"; break;
+    case Parameter::Type::vectors: text = "vectors"; break;
     case Parameter::Type::choice:
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
@@ -86,6 +88,12 @@ const char* const notes =
 in the units of the CRS, or carry one of the units `m`, `ft`, `ftUS`. On the command line a parameter is `--name
 VALUE` or
 `--name=VALUE`; over HTTP it is a query parameter, a form field, or stands among the `inputs` of a JSON execute request.
+
+Vectors (regions, lines, points) are a file that the command line names or that HTTP sends as a part: GeoJSON, WKT, a
+GeoPackage, a zipped Shapefile, DXF; or they are written out, as WKT or as coordinates `x,y;x,y`. GeoJSON is longitude
+and
+latitude unless it carries a `crs` member; of other files the CRS they declare counts, and of what declares none that of
+the result, unless a parameter such as `region-crs` says it.
 
 Choices that are made here where others are possible:
 

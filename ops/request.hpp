@@ -49,7 +49,8 @@ struct Request {
 struct Plan {
   const Operation* operation = nullptr;
   Request request;
-  nlohmann::json parameters;  // name -> parsed value, defaults filled in
+  nlohmann::json parameters;  // name -> parsed value, defaults filled in; of long vectors only their sum
+  std::map<std::string, std::string> vectors;  // the bytes of parameters that are vectors
   std::string output_format;  // a word of io/formats, or "json"/"csv"/"png" of an operation whose result is no TIN
 };
 

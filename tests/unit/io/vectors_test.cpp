@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/vectors.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/error.hpp"
+
+namespace terrane {
+namespace {
+
+Vectors read(std::string_view bytes) {
+  Context context;
+  return read_vectors(bytes, "region", context);
+}
+
+std::string refusal(std::string_view bytes) {
+  try {
+    read(bytes);
+  } catch (const Error& error) {
+    EXPECT_TRUE(error.kind == ErrorKind::input || error.kind == ErrorKind::limit);
+    return error.what();
+  }
+  return "";
+}
+
+bool same(const Line& a, const Line& b) {
+  const auto equal = [](const Point& p, const Point& q) {
+    return p.x == q.x && p.y == q.y && (p.z == q.z || (std::isnan(p.z) && std::isnan(q.z)));
+  };
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), equal);
+}
+
+const Line triangle = {{500000.1, 4500000.3, NAN}, {500010.7, 4500000.3, NAN}, {500000.1, 4500010.9, NAN}};
+const Line rising = {{0.1, 0.2, 3.3}, {1.0 / 3, 2, 4}, {5, 1e-17, 1e7 / 3}};
+
+Vectors mixed() {
+  Vectors vectors;
+  vectors.crs = Crs::parse("EPSG:25831");
+  vectors.features.push_back({{{"name", "hole"}, {"level", 2.5}}, {}, {}, {{triangle, {}}}});
+  vectors.features.push_back({{{"name", "line"}, {"level", 0.1}}, {}, {rising}, {}});
+  vectors.features.push_back({{{"name", nullptr}, {"level", 7}}, {{1, 2, 3}}, {}, {}});
+  return vectors;
+}
+
+TEST(Vectors, WrittenOutCoordinatesAreALineOrAPoint) {
+  EXPECT_TRUE(same(read("-1,2;3,4.5;5,6;").lines().at(0), {{-1, 2, NAN}, {3, 4.5, NAN}, {5, 6, NAN}}));
+  EXPECT_TRUE(same(read("1,2,3,4").lines().at(0), {{1, 2, NAN}, {3, 4, NAN}}));
+  EXPECT_TRUE(same(read("1,2,3;4,5,6").lines().at(0), rising.size() ? Line{{1, 2, 3}, {4, 5, 6}} : Line{}));
+  EXPECT_TRUE(same(read("1,2").points(), {{1, 2, NAN}}));
+  EXPECT_FALSE(vector_format("1,2,3").has_value());
+  EXPECT_FALSE(vector_format("nan,2").has_value());
+  EXPECT_FALSE(vector_format("/etc/passwd").has_value());
+}
+
+TEST(Vectors, GeoJsonComesBackExactly) {
+  const std::string bytes = write_vectors(mixed(), "geojson");
+  const Vectors back = read(bytes);
+  EXPECT_EQ(back.crs.id(), "EPSG:25831");
+  ASSERT_EQ(back.features.size(), 3u);
+  EXPECT_TRUE(same(back.features[0].polygons.at(0).outer, triangle));
+  EXPECT_TRUE(same(back.features[1].lines.at(0), rising));
+  EXPECT_EQ(back.features[1].properties, mixed().features[1].properties);
+  EXPECT_EQ(write_vectors(back, "geojson"), bytes);
+}
+
+TEST(Vectors, GeoJsonOfEveryKindIsRead) {
+  const Vectors v = read(R"({"type":"GeometryCollection","geometries":[
+    {"type":"MultiPoint","coordinates":[[1,2],[3,4]]},
+    {"type":"MultiLineString","coordinates":[[[0,0],[1,1]],[[2,2],[3,3,9]]]},
+    {"type":"MultiPolygon","coordinates":[[[[0,0],[4,0],[4,4],[0,0]],[[1,0.5],[2,0.5],[2,1],[1,0.5]]]]}]})");
+  ASSERT_EQ(v.features.size(), 1u);
+  EXPECT_EQ(v.features[0].points.size(), 2u);
+  EXPECT_EQ(v.features[0].lines.size(), 2u);
+  ASSERT_EQ(v.polygons().size(), 1u);
+  EXPECT_EQ(v.polygons()[0].holes.size(), 1u);
+  EXPECT_EQ(v.lines().size(), 4u);
+  EXPECT_TRUE(v.geojson);
+  EXPECT_FALSE(v.crs.known());
+}
+
+TEST(Vectors, ClosedLinesArePolygonsWherePolygonsAreWanted) {
+  EXPECT_EQ(read("LINESTRING(0 0,1 0,1 1,0 0)").polygons().size(), 1u);
+  EXPECT_EQ(read("LINESTRING(0 0,1 0,1 1)").polygons().size(), 0u);
+}
+
+TEST(Vectors, WktOfEveryKindIsRead) {
+  EXPECT_TRUE(same(read(" polygon ((0 0, 4 0, 4 4, 0 0),(1 0.5, 2 0.5, 2 1, 1 0.5)) ").polygons().at(0).holes.at(0),
+                   {{1, 0.5, NAN}, {2, 0.5, NAN}, {2, 1, NAN}}));
+  EXPECT_TRUE(same(read("LINESTRING Z (0.1 0.2 3.3, 1 2 3)").lines().at(0), {{0.1, 0.2, 3.3}, {1, 2, 3}}));
+  EXPECT_GT(read("CURVEPOLYGON(CIRCULARSTRING(0 0, 2 0, 2 2, 0 2, 0 0))").polygons().at(0).outer.size(), 20u);
+  EXPECT_EQ(read("MULTIPOINT((1 2),(3 4))").points().size(), 2u);
+}
+
+TEST(Vectors, AGeoPackageComesBackExactly) {
+  const std::string bytes = write_vectors(mixed(), "gpkg");
+  EXPECT_EQ(vector_format(bytes), "gpkg");
+  const Vectors back = read(bytes);
+  EXPECT_EQ(back.crs.id(), "EPSG:25831");
+  ASSERT_EQ(back.features.size(), 3u);
+  EXPECT_TRUE(same(back.lines().at(0), rising));
+  EXPECT_EQ(write_vectors(mixed(), "gpkg"), bytes) << "the same bytes every time";
+}
+
+TEST(Vectors, ADrawingHoldsLinesAtTheirLevel) {
+  Vectors vectors;
+  vectors.features.push_back({{{"level", 12.5}}, {}, {{{1, 2, NAN}, {3, 4, NAN}}}, {}});
+  const std::string bytes = write_vectors(vectors, "dxf");
+  EXPECT_EQ(vector_format(bytes), "dxf");
+  const Vectors back = read(bytes);
+  ASSERT_EQ(back.lines().size(), 1u);
+  EXPECT_TRUE(same(back.lines()[0], {{1, 2, 12.5}, {3, 4, 12.5}}));
+  EXPECT_EQ(write_vectors(vectors, "dxf"), bytes);
+}
+
+TEST(Vectors, WhatIsBrokenIsRefusedWithItsPlace) {
+  EXPECT_NE(refusal("{\"type\":\"Feature\""), "");
+  EXPECT_NE(refusal(R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[2,2]]]})").find("does not end"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"type":"FeatureCollection","features":[{"type":"Feature","geometry":null},
+             {"type":"Feature","geometry":{"type":"Point","coordinates":[1,"x"]}}]})")
+                .find("feature 1"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"type":"Point","coordinates":[1e400,2]})"), "");
+  EXPECT_NE(refusal(R"({"type":"Topology","coordinates":[]})"), "");
+  EXPECT_NE(refusal(R"({"type":"Point","coordinates":[1,2],"crs":{"type":"name","properties":{"name":"x"}}})"), "");
+  EXPECT_NE(refusal("POLYGON((0 0, 1 0"), "");
+  EXPECT_NE(refusal("POINT(1 2) POINT(3 4)"), "");
+  EXPECT_NE(refusal("PK\3\4 no zip"), "");
+  EXPECT_NE(refusal(std::string("SQLite format 3\0 no database", 28)), "");
+  EXPECT_NE(refusal(std::string(200, '{')), "");
+  const std::string gpkg = write_vectors(mixed(), "gpkg");
+  EXPECT_NE(refusal(gpkg + "CREATE VIEW v AS SELECT 1").find("views"), std::string::npos);
+}
+
+TEST(Vectors, CutOffFilesAreRefusedOrPartlyRead) {
+  for (const char* word : {"geojson", "gpkg", "dxf"}) {
+    const std::string bytes = write_vectors(mixed(), word);
+    for (std::size_t size = 0; size < bytes.size(); size += 97) refusal(bytes.substr(0, size));
+  }
+}
+
+}  // namespace
+}  // namespace terrane
