@@ -42,7 +42,8 @@ void read_inputs(const Operation& operation, std::vector<InputPart>& parts) {
     const std::string path = part.name;
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
                                    [&](const InputSlot& s) { return s.name == part.slot; });
-    if (slot->takes_number && Length::read(path) && ::access(path.c_str(), F_OK) != 0) {
+    const bool stands_for_itself = (slot->takes_number && Length::read(path)) || (!path.empty() && path == slot->word);
+    if (stands_for_itself && ::access(path.c_str(), F_OK) != 0) {
       part.bytes = path;
       part.name.clear();
       continue;

@@ -123,6 +123,10 @@ nlohmann::json deciding(const nlohmann::json& parameters) {
 nlohmann::json inputs_json(const Frame& frame) {
   nlohmann::json list = nlohmann::json::array();
   for (const InputRecord& r : frame.inputs) {
+    if (!r.word.empty()) {
+      list.push_back({{"input", r.slot}, {"word", r.word}});
+      continue;
+    }
     if (r.level) {
       list.push_back({{"input", r.slot}, {"level", *r.level}});
       continue;

@@ -24,6 +24,7 @@ nlohmann::json surface_schema(const InputSlot& slot) {
   for (const Format& format : formats())
     if (format.read && format.name != "json") kinds.push_back(bytes_schema(format.media_type));
   if (slot.takes_number) kinds.push_back({{"type", "number"}});
+  if (!slot.word.empty()) kinds.push_back({{"type", "string"}, {"const", slot.word}});
   return {{"oneOf", kinds}};
 }
 

@@ -66,6 +66,10 @@ Dataset read_part(const InputPart& part, const ReadOptions& options, std::string
 /// Errors of readers and of validation name the input by its label; a memory limit does too.
 Surface decode(const InputPart& part, const InputSlot& slot, const Operation& operation, Context& context) {
   Surface surface{part.slot, label(part), "", 0.0, {}, nullptr, 0};
+  if (is_word(part, slot)) {
+    surface.word = slot.word;
+    return surface;
+  }
   if (const auto level = level_of(part, slot)) {
     surface.sha256 = sha256(part.bytes);
     surface.value = level->value;

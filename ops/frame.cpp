@@ -207,8 +207,10 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
       s.level_unit.clear();
     }
   for (const Surface& s : surfaces) {
-    InputRecord record{s.slot, s.name, s.sha256, s.crs, {}, 0, 0, {}, "", std::holds_alternative<Raster>(s.value)};
-    if (s.level()) record.level = std::get<double>(s.value);
+    InputRecord record{.slot = s.slot, .name = s.name, .sha256 = s.sha256, .crs = s.crs};
+    record.raster = std::holds_alternative<Raster>(s.value);
+    record.word = s.word;
+    if (s.level() && s.word.empty()) record.level = std::get<double>(s.value);
     frame.inputs.push_back(std::move(record));
     if (operation.intake.raster_only && !std::holds_alternative<Raster>(s.value))
       throw Error(

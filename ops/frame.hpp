@@ -12,11 +12,12 @@ namespace terrane {
 /// What the certificate says of an input.
 struct InputRecord {
   std::string slot, name, sha256;
-  Crs crs;
-  std::optional<double> level;  // the input is a number
+  Crs crs = {};
+  std::optional<double> level = {};  // the input is a number
+  std::string word = {};        // the input is the word of its slot
   std::size_t vertices = 0, faces = 0;
-  std::optional<double> area_2d;  // of its own domain in the frame; none where rasters were joined
-  std::string joined;  // what it became part of when rasters were joined
+  std::optional<double> area_2d = {};  // of its own domain in the frame; none where rasters were joined
+  std::string joined = {};  // what it became part of when rasters were joined
   bool raster = false;
 };
 

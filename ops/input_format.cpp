@@ -41,6 +41,8 @@ std::optional<Length> level_of(const InputPart& part, const InputSlot& slot) {
   return Length::read(part.bytes);
 }
 
+bool is_word(const InputPart& part, const InputSlot& slot) { return !slot.word.empty() && part.bytes == slot.word; }
+
 const Format& input_format(const InputPart& part) {
   const std::string type = bare_type(part.media_type);
   const bool generic =

@@ -15,6 +15,9 @@ std::string label(const InputPart& part);
 /// The level a part stands for, when its input takes one and the part holds nothing but a number.
 std::optional<Length> level_of(const InputPart& part, const InputSlot& slot);
 
+/// Whether a part is the word that may stand in for a surface.
+bool is_word(const InputPart& part, const InputSlot& slot);
+
 /// The format of a part: its media type unless that is generic, then the file name, then the first bytes.
 /// Throws Error{unsupported} listing what can be read.
 const Format& input_format(const InputPart& part);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/toe.hpp"
 #include "core/volume.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"
@@ -47,6 +48,11 @@ Outcome run(std::vector<Surface>& inputs, const VolumeParameters& p, Context& co
   const Surface* reference = find_input(inputs, "reference");
   VolumeReport report(surface, {p.tolerance.in(surface.crs.known() ? surface.crs.metres_per_height_unit() : 1.0),
                                 p.cut_factor, p.fill_factor});
+  Surface toe;
+  if (reference && !reference->word.empty()) {
+    toe = {reference->slot, reference->word, "", toe_surface(surface.tin(), context), surface.crs};
+    reference = &toe;
+  }
   if (reference && !reference->level()) {
     warn_feet_beside_metres(surface, *reference, context);
     if (!report.add_reference(*reference, context)) {
@@ -73,7 +79,10 @@ Operation volume_operation() {
            "Cut, fill and net volume between a surface and a reference over their overlap, with plan and surface "
            "areas, on the grid and on the ellipsoid. Net = fill - cut; fill: the surface lies above.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."},
-                  {"reference", 0, 1, true, "What it is compared with: a TIN, a raster, or a number (a level)."}},
+                  {"reference", 0, 1, true,
+                   "What it is compared with: a TIN, a raster, a number (a level), or the word boundary, the TIN "
+                   "through the surface's own border (for stockpiles).",
+                   "boundary"}},
        .result = ResultKind::table,
        .check = check},
       run);

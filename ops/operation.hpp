@@ -44,6 +44,7 @@ struct InputSlot {
   int min_occurs = 1, max_occurs = 1;  // max_occurs 0: any number
   bool takes_number = false;  // a level may stand in for a surface
   std::string sentence = {};
+  std::string word = {};  // that may stand in for a surface: "boundary"
 };
 
 /// A decoded input in the common frame, as an operation's run sees it.
@@ -51,8 +52,9 @@ struct Surface {
   std::string slot, name, sha256;
   std::variant<Tin, Raster, double> value;  // in `run` never a Raster: the frame has triangulated it
   Crs crs;
-  nlohmann::json source;  // what a raster was before it was triangulated, for `info`; null for a TIN
+  nlohmann::json source = nullptr;  // what a raster was before it was triangulated, for `info`; null for a TIN
   double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS
+  std::string word = {};  // the slot's word was given instead of a surface; the value is then a level without meaning
   std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }

@@ -108,7 +108,7 @@ void check_inputs(const Request& request, const Operation& operation) {
   for (const InputPart& part : request.inputs) {
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
                                    [&](const InputSlot& s) { return s.name == part.slot; });
-    if (!level_of(part, *slot)) input_format(part);
+    if (!is_word(part, *slot) && !level_of(part, *slot)) input_format(part);
   }
 }
 
