@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <optional>
 
 #include "core/arrangement.hpp"
@@ -32,10 +34,52 @@ Prepared prepare(const Tin& a, const Tin& b, double snap, Context& context) {
   return {std::move(completed[0]), std::move(snapped)};
 }
 
+/// Which region is at home at a place, for those that stand for the outside of an input.
+class HomeRegions {
+ public:
+  HomeRegions(const Arrangement& arrangement, const Array<std::array<Index, 2>>& regions, bool pasted)
+      : arrangement_(arrangement), regions_(regions), pasted_(pasted) {}
+
+  /// `region`, unless an input that it leaves out has a face around p: then the region of the faces that p lies in.
+  Index operator()(Index region, Point2 p) {
+    const std::array<Index, 2> own = region == none ? std::array{none, none} : regions_[region];
+    if (own[0] != none && (own[1] != none || pasted_)) return region;  // B goes on under a pasted A
+    std::array<Index, 2> home = own;
+    for (int m = 0; m < 2; ++m) {
+      const CompletedMesh& mesh = *arrangement_.mesh[m];
+      const Location where = locate(mesh, p, last_[m]);
+      last_[m] = face_at(mesh, where);
+      if (where.kind == Location::face && mesh.real(where.index)) home[m] = where.index;
+    }
+    if ((own[0] == none) == (home[0] == none) && (own[1] == none) == (home[1] == none)) return region;
+    if (pasted_ && home[0] != none) home[1] = none;
+    return numbered(home, region);
+  }
+
+ private:
+  /// The number of the region with these parents, `otherwise` when there is none.
+  Index numbered(const std::array<Index, 2>& parents, Index otherwise) {
+    if (sorted_.empty()) {
+      sorted_.resize(regions_.size());
+      std::iota(sorted_.begin(), sorted_.end(), 0);
+      std::sort(sorted_.begin(), sorted_.end(), [&](Index r, Index s) { return regions_[r] < regions_[s]; });
+    }
+    const auto found = std::lower_bound(sorted_.begin(), sorted_.end(), parents,
+                                        [&](Index r, const auto& wanted) { return regions_[r] < wanted; });
+    return found != sorted_.end() && regions_[*found] == parents ? *found : otherwise;
+  }
+
+  const Arrangement& arrangement_;
+  const Array<std::array<Index, 2>>& regions_;
+  bool pasted_;
+  Index last_[2] = {0, 0};     // the faces around the last place, where the next one is looked for first
+  std::vector<Index> sorted_;  // by their parents; made when first needed
+};
+
 /// Makes every face positive on its doubles. Faces keep their parents' order no longer; `relabelled` lists those whose
 /// corners or parents changed.
 void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& points, const FaceHeights (&heights)[2],
-          RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
+          bool pasted, RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
   Array<std::array<Index, 2>> regions;  // faces of a region are consecutive
   PlanarMesh mesh{std::move(points), std::move(work.faces), {}, {}};
   mesh.labels.resize(mesh.faces.size());
@@ -51,8 +95,9 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
       if (const Index f = regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
     return d;
   };
+  HomeRegions at_home(arrangement, regions, pasted);
   const Rounded rounded = round_and_verify(
-      mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance);
+      mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance, std::ref(at_home));
   report.max_move = std::max(report.max_move, rounded.report.max_move);
   if (rounded.report.max_spill > 3 * report.max_move)
     throw Error(
@@ -128,7 +173,8 @@ Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Contex
   const bool mended = !work.all_positive;
   as_given = !mended && prepared.b.count == 0;
   if (mended) {
-    mend(arrangement, work, points, heights, result.rounding, context, relabelled);
+    mend(arrangement, work, points, heights, options.refinement == Refinement::paste, result.rounding, context,
+         relabelled);
     vertex = used_vertices(work, points.size());
   } else {
     result.rounding.max_spill = result.rounding.max_move + result.rounding.max_snap;

@@ -73,6 +73,21 @@ double call_label_back(MeshEditor& editor, const Array<Index>& before, const Dis
   return here;
 }
 
+/// Part of what a label stands for may be the outside of an input, which has no corners to be far from: a flip may hand
+/// it to a face of any size that the border surrounds. So the middle of every face that changed says whether that is
+/// outside, and the face gets the label that is at home there where all of it is within the bound.
+void take_back_from_outside(MeshEditor& editor, const Distance& distance,
+                            const std::function<Index(Index, Point2)>& at_home, double bound) {
+  const PlanarMesh& mesh = editor.mesh();
+  for (const Index f : changed_faces(editor)) {
+    const Face& c = mesh.faces[f];
+    const Point2 p = mesh.points[c[0]], q = mesh.points[c[1]], r = mesh.points[c[2]];
+    const Point2 middle{p.x + (q.x - p.x) / 3 + (r.x - p.x) / 3, p.y + (q.y - p.y) / 3 + (r.y - p.y) / 3};
+    const Index label = at_home(mesh.labels[f], middle);
+    if (label != mesh.labels[f] && spill(editor, distance, f, label) <= bound) editor.relabel(f, label);
+  }
+}
+
 /// Flips an edge of f where the larger spill of the two faces beside it becomes less. Returns the other face, or none.
 Index flip_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound, Index f) {
   const PlanarMesh& mesh = editor.mesh();
@@ -176,7 +191,8 @@ void connect(PlanarMesh& mesh) {
 }
 
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
-                         const std::function<double(Index, Point2)>& distance) {
+                         const std::function<double(Index, Point2)>& distance,
+                         const std::function<Index(Index, Point2)>& at_home) {
   Rounded result;
   for (Index v = 0; v < static_cast<Index>(mesh.points.size()); ++v) {
     const ExactPlace exact = place(v);
@@ -203,6 +219,7 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
               std::to_string(left.size()) +
               " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
+    if (at_home) take_back_from_outside(editor, distance, at_home, 3 * result.report.max_move);
     if (distance) result.report.lost = keep_input_vertices(editor, place, distance, bound);
   }
   if (distance) result.report.max_spill = call_labels_back(editor, before, distance, 3 * result.report.max_move);
