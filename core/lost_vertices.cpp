@@ -44,12 +44,31 @@ class Keeper {
     return false;
   }
 
-  /// In at most so many merges: a vertex of the exterior may stand between.
-  bool bring_back(Index v, int merges = 2) {
-    for (const Candidate& c : beside(v)) {
-      if (c.exterior && merges == 1) break;
+  /// The same after a flip: a face of the exterior that is not at v may lie between v and the region.
+  bool flip_and_widen(Index v) {
+    std::vector<Index> around;
+    editor_.star(v, around);
+    for (const Index f : around) {
+      MeshEditor::Quad quad;
+      const int k = editor_.corner_of(f, v);
+      if (!editor_.quad(f, k, quad) || editor_.mesh().labels[quad.g] != none) continue;
       const MeshEditor::Mark mark = editor_.mark();
-      if (merge(c.vertex, v) && sound(mark) && (labelled(v) || (merges > 1 && bring_back(v, merges - 1)))) return true;
+      editor_.flip(f, k, quad);
+      if (editor_.sign(f) > 0 && editor_.sign(quad.g) > 0 && widen(v)) return true;
+      editor_.undo(mark);
+    }
+    return false;
+  }
+
+  /// In at most so many merges: a vertex of the exterior may stand between. With `widening` they may also leave v with
+  /// faces of the exterior only, when one of these can go to the region next to it.
+  bool bring_back(Index v, bool widening, int merges = 2) {
+    for (const Candidate& c : beside(v)) {
+      if (c.exterior && merges == 1 && !widening) break;
+      const MeshEditor::Mark mark = editor_.mark();
+      if (merge(c.vertex, v) && sound(mark) &&
+          (labelled(v) || (merges > 1 && bring_back(v, widening, merges - 1)) || (widening && widen(v))))
+        return true;
       editor_.undo(mark);
     }
     return false;
@@ -120,7 +139,7 @@ Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Ind
                           const std::function<double(Index label, Point2)>& distance, double bound) {
   Keeper keeper(editor, place, distance, bound);
   for (const Index v : keeper.without_faces())
-    if (!keeper.bring_back(v)) keeper.widen(v);
+    if (!keeper.bring_back(v, false) && !keeper.widen(v) && !keeper.flip_and_widen(v)) keeper.bring_back(v, true);
   return static_cast<Index>(keeper.without_faces().size());  // bringing one back may have cost another's
 }
 
