@@ -224,17 +224,42 @@ class Cover {
     return root(ends[0]) == root(ends[1]);
   }
 
-  /// Every edge of the border runs along the border of an input.
+  /// Every edge of the border runs along the border of an input: each of its points is within reach of it, one edge for
+  /// all of them or, past a vertex, one after the other.
   void judge_border() {
-    std::vector<Edge> borders;
-    for (const PlanMesh& mesh : meshes_)
-      for (const auto& [u, v] : border_of(mesh.faces)) borders.push_back(edge(mesh.points[u], mesh.points[v]));
+    std::array<std::vector<Edge>, 2> borders;
+    for (const int m : {0, 1})
+      for (const auto& [u, v] : border_of(meshes_[m].faces))
+        borders[m].push_back(edge(meshes_[m].points[u], meshes_[m].points[v]));
     for (const auto& [u, v] : border_of(overlay_.faces)) {
       const Point2 p = overlay_.points[u], q = overlay_.points[v];
-      if (std::none_of(borders.begin(), borders.end(),
-                       [&](const Edge& e) { return near(p, e, reach_) && near(q, e, reach_); }))
+      const auto along_one = [&](const Edge& e) { return near(p, e, reach_) && near(q, e, reach_); };
+      const auto along = [&](const std::vector<Edge>& border) {
+        return std::any_of(border.begin(), border.end(), along_one) || runs_along(border, p, q, 0, 1);
+      };
+      if (!along(borders[0]) && !along(borders[1]))
         wrong_ << "the border at " << p.x << " " << p.y << " - " << q.x << " " << q.y << " is nobody's; ";
     }
+  }
+
+  /// Of the edge p q the part between two places, given as fractions: there may be no doubles between p and q. What is
+  /// near one edge is convex, so two places near it do for all between them; else both halves are looked at.
+  bool runs_along(const std::vector<Edge>& border, Point2 p, Point2 q, long double from, long double to) const {
+    using Real = long double;
+    const auto is_near = [&](const Edge& e, Real at) {  // seen from p, where differences are exact
+      const Real x = at * (Real(q.x) - p.x) - (Real(e.p.x) - p.x), y = at * (Real(q.y) - p.y) - (Real(e.p.y) - p.y);
+      const Real dx = Real(e.q.x) - e.p.x, dy = Real(e.q.y) - e.p.y;
+      const Real along = std::clamp<Real>((x * dx + y * dy) / (dx * dx + dy * dy), 0, 1);
+      return length(x - along * dx, y - along * dy) <= reach_;
+    };
+    const Real middle = (from + to) / 2;
+    bool middle_near = false;
+    for (const Edge& e : border) {
+      if (is_near(e, from) && is_near(e, to)) return true;
+      middle_near = middle_near || is_near(e, middle);
+    }
+    if (!middle_near || to - from < 1e-12L) return false;
+    return runs_along(border, p, q, from, middle) && runs_along(border, p, q, middle, to);
   }
 
   std::array<const Tin*, 2> inputs_;

@@ -396,6 +396,22 @@ TEST(mending, a_vertex_with_a_tip_of_half_an_ulp_beside_it_is_kept) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
+TEST(mending, the_border_runs_along_two_edges_that_are_an_ulp_long) {
+  const Tin a = canonical(Tin{{{500000.00000000006, 4499999.9999999981, 2},
+                               {500000.00000000012, 4500000, 3},
+                               {500000.66666666669, 4500002.666666667, 4},
+                               {500002, 4500003.666666667, -3},
+                               {500003.00000000012, 4500001.333333333, -1},
+                               {500003, 4500001.3333333312, 2},
+                               {500003.00000000012, 4500001.666666667, 3}},
+                              {{0, 2, 1}, {0, 3, 2}, {0, 5, 3}, {3, 4, 6}, {3, 5, 4}}});
+  const Tin b = canonical(Tin{{{499999.99999999994, 4500000.0000000019, -4},
+                               {500002.00000000006, 4500003.0000000009, -3},
+                               {500002.00000000006, 4500003.6666666679, 3}},
+                              {{0, 1, 2}}});
+  EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
+}
+
 TEST(exterior, a_vertex_passes_the_border_and_goes_under_nothing_that_lies_beyond) {
   // The centre of a square goes down through its lower side to (2, -1); there may be a triangle below.
   for (const bool more : {false, true}) {
