@@ -122,6 +122,13 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::local_frame(std::string_view unit) {
 }
 
 std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const std::string& given) {
+  // All that is said of a CRS is read from its own WKT 2, so that its id says the same: names in WKT 1 may be spelt so
+  // that they are recognised only on the way there.
+  if (given.empty())
+    if (OGRSpatialReference settled; settled.importFromWkt(settled_wkt(srs).c_str()) == OGRERR_NONE) {
+      settled.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+      srs = std::move(settled);
+    }
   const char* name = nullptr;
   if (srs.IsLocal()) {
     const double unit = srs.GetLinearUnits(&name);

@@ -134,6 +134,16 @@ TEST(Crs, ADatumWithItsOwnShiftKeepsIt) {
 
 TEST(Crs, WebMercatorAsItWasOnceWritten) { EXPECT_EQ(Crs::parse(Crs::parse("EPSG:3857").wkt1()).id(), "EPSG:3857"); }
 
+TEST(Crs, IdMeansTheSameHoweverNamesWereSpelt) {
+  std::string wkt = Crs::parse("EPSG:2263").wkt1();
+  const std::size_t at = wkt.find("central_meridian");
+  ASSERT_NE(at, std::string::npos);
+  wkt.insert(at + 11, ".");
+  const Crs crs = Crs::parse(wkt);
+  EXPECT_EQ(Crs::parse(crs.id()).id(), crs.id());
+  EXPECT_TRUE(Crs::parse(crs.id()).same_plan(crs));
+}
+
 TEST(Crs, IsSharedByThreads) {
   const Crs crs = Crs::parse("EPSG:25831+5773"), other = Crs::parse("EPSG:4326");
   std::vector<std::thread> threads;
