@@ -9,6 +9,7 @@
 
 #include "core/arrangement.hpp"
 #include "core/box.hpp"
+#include "core/depth.hpp"
 #include "core/error.hpp"
 #include "core/heights.hpp"
 #include "core/mended_heights.hpp"
@@ -89,10 +90,18 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
     mesh.labels[f] = outside ? none : static_cast<Index>(regions.size()) - 1;
   }
   connect(mesh);
+  // A region outside one of the meshes must not reach into that one either; but A may lie on B.
+  Depth depth[2] = {Depth(*arrangement.mesh[0]), Depth(*arrangement.mesh[1])};
+  const double reach = 16 * report.max_move;
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
-    for (int m = 0; region != none && m < 2; ++m)
-      if (const Index f = regions[region][m]; f != none) d = std::max(d, heights[m].distance(f, p));
+    for (int m = 0; region != none && m < 2; ++m) {
+      const Index f = regions[region][m];
+      if (f != none)
+        d = std::max(d, heights[m].distance(f, p));
+      else if (m == 0 || !pasted)
+        d = std::max(d, depth[m].at(p, reach));
+    }
     return d;
   };
   HomeRegions at_home(arrangement, regions, pasted);

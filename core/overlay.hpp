@@ -59,7 +59,7 @@ struct Overlay {
 ///  4. Vertices of A and B are returned bit for bit, except those of B snapped within `snap`. Every returned face is
 ///  strictly
 ///     positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap of its
-///     parents.
+///     parents and, where it has none (but under paste), of the outside of that input.
 ///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before
 ///  canonical().
 /// Precondition: both are valid, as checked() returns them (core/validate); in canonical order it is quickest. Walls

@@ -165,13 +165,33 @@ class Judge {
     for (std::size_t f = 0; f < overlay_.faces.size(); ++f)
       for (const int m : {0, 1}) {
         const Index parent = overlay_.parents[f][m];
-        if (parent == none) continue;
+        if (parent == none) {
+          judge_outside(f, m, spill);
+          continue;
+        }
         const Triangle t = triangle(*inputs_[m], parent);
         for (const Index v : overlay_.faces[f])
           if (!within(overlay_.points[v], t, spill))
             wrong_ << "face " << f << " spills at " << overlay_.points[v].x << " " << overlay_.points[v].y
                    << " from face " << parent << " of input " << m << "; ";
       }
+  }
+
+  /// A face without a parent reaches no farther into that input than spills go; but a pasted A lies on B.
+  void judge_outside(std::size_t f, int m, double spill) {
+    if (m == 1 && options_.refinement == Refinement::paste && overlay_.parents[f][0] != none) return;
+    const PlanMesh& mesh = meshes_[m];
+    const auto border = border_of(mesh.faces);
+    for (const Index v : overlay_.faces[f]) {
+      const Point2 p = overlay_.points[v];
+      const bool inside = std::any_of(mesh.faces.begin(), mesh.faces.end(),
+                                      [&](const Face& g) { return within(p, triangle(mesh.points, g), 0); });
+      const bool beside = std::any_of(border.begin(), border.end(), [&](const auto& edge) {
+        return within(p, mesh.points[edge.first], mesh.points[edge.second], spill);
+      });
+      if (inside && !beside)
+        wrong_ << "face " << f << " of outside input " << m << " reaches into it at " << p.x << " " << p.y << "; ";
+    }
   }
 
   const Point* corner_at(int m, Index face, Point2 p) const {

@@ -264,6 +264,39 @@ TEST(Merge, AFaceMayGetBackALabelThatNoOtherHasAnyMore) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, AFaceOutsideATileReachesIntoItNoFartherThanRounding) {
+  // The third tile's upper edge lies an ulp below those of the others: what is left above it is flipped away.
+  const Tin a{{{500001.47723756672, 4500003.0563439848, -1},
+               {500002.20506284107, 4500004.261313214, 3},
+               {500004.74108885531, 4500004.3126158034, 3}},
+              {{0, 2, 1}}};
+  const Tin c{{{500001.47723756684, 4500003.0563439848, 0},
+               {500002.20506284095, 4500004.2613132121, 4},
+               {500004.74108885537, 4500004.3126158034, 4},
+               {500005.33411043842, 4500002.5271015801, -1}},
+              {{0, 2, 1}, {0, 3, 2}}};
+  const Tin d{{{500001.47723756684, 4500003.0563439848, 0},
+               {500002.20506284118, 4500004.261313214, 4},
+               {500004.74108885537, 4500004.3126158016, 4},
+               {500005.33411043847, 4500002.5271015773, -1}},
+              {{0, 2, 1}, {0, 3, 2}}};
+  const Tin e{{{500001.47723729024, 4500003.0563434791, 0},
+               {500004.74108873296, 4500004.3126161993, 4},
+               {500005.33411029004, 4500002.5271021957, -1}},
+              {{0, 2, 1}}};
+  const Tin f{{{500001.47723756684, 4500003.0563439848, 1},
+               {500002.20506284118, 4500004.261313214, 5},
+               {500004.74108885537, 4500004.3126158016, 5},
+               {500005.33411043847, 4500002.5271015773, 0},
+               {500006.33307749237, 4500001.4064676408, 4}},
+              {{0, 2, 1}, {0, 3, 2}, {0, 4, 3}}};
+  std::vector<Tin> tiles{a, a, c, d, e, f};
+  for (Tin& tile : tiles) tile = canonical(tile);
+  const MergeOptions options{Overlap::sum, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(Merge, AZeroPointOfAJumpPassesNoBorder) {
   const Tin a{{{333333.5034108957, 5000001.1421637712, 2}, {333333.71122110734, 5000001.182687711, -3},
                {333333.78438707138, 5000001.196955408, 0}, {333333.90254868194, 5000001.219997461, -3},
