@@ -41,16 +41,24 @@ std::vector<EdgeCut> sign_changes(const CornerSurface& surface, const Array<Face
 
 /// Where the zero point of a jump rounded onto a vertex, the jump there is within rounding of zero: both heights become
 /// that of the first face. On an edge as short as rounding that can be any jump: then only the face beside it, which is
-/// as thin, gives way. `anyway`: all that share its height do.
+/// as thin, gives way.
 struct Closure {
   Index point;
   double from, to;
   Index face;  // before the cuts
 
-  bool covers(Index of, double z, bool anyway) const {
-    return z == from && (anyway || of == face || std::fabs(to - from) <= height_rounding(from));
+  bool covers(Index of, double z) const {
+    return z == from && (of == face || std::fabs(to - from) <= height_rounding(from));
   }
 };
+
+/// Closes the jump between f and the face across from its corner k, at another of its corners.
+Closure closure(const CornerSurface& surface, const Array<Face>& neighbours, Index f, int k, int corner) {
+  const Index g = neighbours[f][k], w = surface.faces[f][corner];
+  int j = 0;
+  while (surface.faces[g][j] != w) ++j;
+  return {w, surface.z[3 * static_cast<std::size_t>(g) + j], surface.z[3 * static_cast<std::size_t>(f) + corner], g};
+}
 
 std::vector<Closure> closures(const CornerSurface& before, const Array<Face>& neighbours, const CutMesh& cut) {
   std::vector<Closure> found;
@@ -66,26 +74,41 @@ std::vector<Closure> closures(const CornerSurface& before, const Array<Face>& ne
       if (!edge || (w != made.p && w != made.q)) continue;
       const int corner = face[(k + 1) % 3] == w ? (k + 1) % 3 : (k + 2) % 3;
       const Jump d = jump(before, neighbours, f, k);
-      const double to = before.z[3 * static_cast<std::size_t>(f) + corner];
-      const Index g = neighbours[f][k];
-      int j = 0;
-      while (before.faces[g][j] != w) ++j;
-      const double from = before.z[3 * static_cast<std::size_t>(g) + j];
-      if (d.dp != 0 || d.dq != 0) found.push_back({w, from, to, g});
+      if (d.dp != 0 || d.dq != 0) found.push_back(closure(before, neighbours, f, k, corner));
     }
   }
   return found;
 }
 
-void apply(std::vector<Closure> closures, const Array<Index>& labels, bool anyway, CornerSurface& surface) {
+/// `labels`: the face before the cuts that each face lies on; when null, all that share a height that closes give way.
+void apply(std::vector<Closure> closures, const Array<Index>* labels, CornerSurface& surface) {
   if (closures.empty()) return;
   std::stable_sort(closures.begin(), closures.end(), [](auto& a, auto& b) { return a.point < b.point; });
   for (std::size_t c = 0; c < surface.z.size(); ++c) {
     const Index point = surface.faces[c / 3][c % 3];
     auto it = std::lower_bound(closures.begin(), closures.end(), point, [](auto& a, Index p) { return a.point < p; });
     for (; it != closures.end() && it->point == point; ++it)
-      if (it->covers(labels[c / 3], surface.z[c], anyway)) surface.z[c] = it->to;
+      if (labels ? it->covers((*labels)[c / 3], surface.z[c]) : surface.z[c] == it->from) surface.z[c] = it->to;
   }
+}
+
+/// Closes the jumps whose zero points lie within rounding of an end, rather than cut there. Were there any?
+bool close_near_ends(const Array<Face>& neighbours, const std::vector<EdgeCut>& cuts, CornerSurface& surface) {
+  std::vector<Closure> closures;
+  for (const EdgeCut& cut : cuts) {
+    const int i = (cut.side + 1) % 3, j = (cut.side + 2) % 3;
+    const Face& face = surface.faces[cut.face];
+    const ExactPlace zero{.kind = ExactPlace::ratio,
+                          .p = surface.points[face[i]],
+                          .q = surface.points[face[j]],
+                          .dp = cut.dp,
+                          .dq = cut.dq};
+    const double length = std::hypot(zero.q.x - zero.p.x, zero.q.y - zero.p.y), t = cut.dp / (cut.dp - cut.dq);
+    if (std::min(t, 1 - t) * length <= 3 * rounding_bound(zero))
+      closures.push_back(closure(surface, neighbours, cut.face, cut.side, t <= 0.5 ? i : j));
+  }
+  apply(closures, nullptr, surface);
+  return !closures.empty();
 }
 
 /// Makes the zero points of jumps that change sign along an edge vertices of both faces.
@@ -108,7 +131,7 @@ CornerSurface cut_at_zero_points(CornerSurface before, PlanarMesh mesh, const st
       if (at < 3 && !before.firm.empty()) after.firm[3 * f + k] = before.firm[3 * label + at];
     }
   }
-  apply(closures(before, neighbours, cut), cut.mesh.labels, close_anyway, after);
+  apply(closures(before, neighbours, cut), close_anyway ? nullptr : &cut.mesh.labels, after);
   after.points = std::move(cut.mesh.points);
   return after;
 }
@@ -135,6 +158,8 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
   PlanarMesh mesh;
   // Every round leaves edges whose jump keeps its sign; rounding a zero point onto an end can give another edge there a
   // new one, which the next round finds. Two rounds are common, three rare; thin faces in a ring may pass a jump on.
+  // Two surfaces that a thin face joins may cross beside its tip, first on one side of it, then on the other: each cut
+  // takes off no more of the tip than rounding does, and there is no end to it but at one height.
   for (int round = 0; round < 16; ++round) {
     context.progress("assemble", round == 0 ? 0 : 0.5);
     if (auto tin = single_valued(surface)) {
@@ -154,6 +179,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
       context.progress("assemble", 1);
       return result;
     }
+    if (round > 7 && close_near_ends(mesh.neighbours, cuts, surface)) continue;
     surface = cut_at_zero_points(std::move(surface), std::move(mesh), cuts, round > 3, result.rounding, context);
   }
   throw Error(ErrorKind::input, "rounding",

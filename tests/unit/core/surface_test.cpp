@@ -168,6 +168,24 @@ TEST(Assemble, PiecesThatTouchInAPlaceShareItsVertex) {
   EXPECT_EQ(assembled(surface).tin.vertices.size(), 5u);
 }
 
+TEST(Assemble, SurfacesThatCrossBesideTheTipOfAThinFaceMeetThere) {
+  // The first face falls by metres across its width of an ulp; at its tip the others are apart the other way.
+  CornerSurface surface;
+  surface.points = {{333338.18262402015, 5000003.6321341991},
+                    {333338.18262288196, 5000003.6321329968},
+                    {333338.18262288114, 5000003.6321329959},
+                    {333338.1826228943, 5000003.6321330098},
+                    {333338.18262281414, 5000003.6321329251}};
+  surface.faces = {{0, 1, 2}, {0, 3, 1}, {0, 2, 4}};
+  surface.z = {-164.92187102373083, -164.62965440904196, -168.04728675921442,
+               -164.92166318871989, -164.92046930972796, -164.92101070305137,
+               -164.92187102373083, -164.924323432666,   -164.92446769463857};
+  const Assembled result = assembled(surface);
+  EXPECT_EQ(wrong_with(result.tin), "");
+  EXPECT_EQ(open_seams(result.tin), "");
+  EXPECT_NEAR(bounds(result.tin).xmax, surface.points[0].x, 1e-8);
+}
+
 TEST(Assemble, NothingBecomesNothing) { EXPECT_TRUE(assembled({}).tin.faces.empty()); }
 
 TEST(Assemble, RampIsRefused) { EXPECT_THROW(assembled(two_squares({1, 2}, {5, 4}), Seam::ramp), Error); }
