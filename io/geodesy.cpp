@@ -124,11 +124,11 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::local_frame(std::string_view unit) {
 std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const std::string& given) {
   // All that is said of a CRS is read from its own WKT 2, so that its id says the same: names in WKT 1 may be spelt so
   // that they are recognised only on the way there.
-  if (given.empty())
-    if (OGRSpatialReference settled; settled.importFromWkt(settled_wkt(srs).c_str()) == OGRERR_NONE) {
-      settled.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-      srs = std::move(settled);
-    }
+  const std::string wkt = settled_wkt(srs);
+  if (OGRSpatialReference settled; given.empty() && settled.importFromWkt(wkt.c_str()) == OGRERR_NONE) {
+    settled.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    srs = std::move(settled);
+  }
   const char* name = nullptr;
   if (srs.IsLocal()) {
     const double unit = srs.GetLinearUnits(&name);
@@ -173,7 +173,7 @@ std::shared_ptr<const Crs::Impl> Crs::Impl::of(OGRSpatialReference srs, const st
   impl->semi_major = horizontal.GetSemiMajor();
   impl->inverse_flattening = horizontal.GetInvFlattening();
   impl->name = srs.GetName() ? srs.GetName() : "";
-  impl->wkt = settled_wkt(srs);
+  impl->wkt = wkt;
   impl->wkt1 = exported(srs, "WKT1_GDAL");
   impl->horizontal_wkt = settled_wkt(horizontal);
   if (impl->wkt.empty() || impl->horizontal_wkt.empty()) bad_crs("it cannot be written as WKT");
