@@ -15,14 +15,6 @@ namespace {
 
 bool before(Point2 a, Point2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
-/// The sign of a * b - c * d for non-negative factors, exact but for underflow.
-int compare_products(double a, double b, double c, double d) {
-  const double l = a * b, r = c * d;
-  if (l != r) return l < r ? -1 : 1;
-  const double el = std::fma(a, b, -l), er = std::fma(c, d, -r);
-  return el < er ? -1 : el > er ? 1 : 0;
-}
-
 /// Up to two vertices on an edge, in the order along it as its first half-edge runs.
 struct OnEdge {
   Index count = 0;
@@ -228,12 +220,11 @@ class Cutter {
 
 /// Does rounding turn a face over, or may it have moved the border? Then what lies beyond that, an ulp away perhaps,
 /// has a say in where vertices can go.
-bool may_pass_the_border(const CutMesh& cut) {
-  const PlanarMesh& mesh = cut.mesh;
+bool may_pass_the_border(const PlanarMesh& mesh, Index first_made) {
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const Face& c = mesh.faces[f];
     for (int k = 0; k < 3; ++k) {
-      if (c[k] < cut.first_made) continue;
+      if (c[k] < first_made) continue;
       if (mesh.neighbours[f][(k + 1) % 3] == none || mesh.neighbours[f][(k + 2) % 3] == none) return true;
       if (orientation(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]) <= 0) return true;
     }
@@ -256,6 +247,27 @@ void drop_dead(PlanarMesh& mesh) {
 
 }  // namespace
 
+Rounded round_cuts(PlanarMesh& mesh, Index first_made, const std::function<ExactPlace(Index)>& place,
+                   const std::function<double(Index label, Point2)>& distance, Context& context) {
+  connect(mesh);
+  // Rounding asks for exact places while it changes the mesh; the ends of the edges are input and stay where they are.
+  const Index vertices = static_cast<Index>(mesh.points.size());
+  const auto exact = [&](Index v) {
+    if (v >= first_made && v < vertices) return place(v);
+    ExactPlace at;
+    at.p = mesh.points[v];
+    return at;
+  };
+  const auto from_label = [&](Index label, Point2 p) { return label == none ? 0.0 : distance(label, p); };
+  if (may_pass_the_border(mesh, first_made)) add_exterior(mesh, exact);
+  Rounded rounded = round_and_verify(mesh, exact, context, from_label);
+  drop_dead(mesh);
+  mesh.points.resize(vertices);
+  rounded.merged_into.resize(vertices);
+  connect(mesh);
+  return rounded;
+}
+
 CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chords, Context& context) {
   const Array<Face> before = mesh.faces;
   CutMesh cut;
@@ -264,26 +276,12 @@ CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chor
   for (std::size_t f = 0; f < cut.mesh.faces.size(); ++f) cut.mesh.labels[f] = static_cast<Index>(f);
   Cutter cutter(cut, cuts, chords);
   cutter.run();
-  connect(cut.mesh);
-  // Rounding asks for exact places while it changes the mesh; the ends of the edges are input and stay where they are.
-  const Index vertices = static_cast<Index>(cut.mesh.points.size());
-  const auto place = [&](Index v) {
-    if (v >= cut.first_made && v < vertices) return cutter.place(cut.made[v - cut.first_made]);
-    ExactPlace at;
-    at.p = cut.mesh.points[v];
-    return at;
-  };
+  const auto place = [&](Index v) { return cutter.place(cut.made[v - cut.first_made]); };
   const auto distance = [&](Index label, Point2 p) {
-    if (label == none) return 0.0;
     const Face& c = before[label];
     return distance_to_triangle({cut.mesh.points[c[0]], cut.mesh.points[c[1]], cut.mesh.points[c[2]]}, p);
   };
-  if (may_pass_the_border(cut)) add_exterior(cut.mesh, place);
-  cut.rounded = round_and_verify(cut.mesh, place, context, distance);
-  drop_dead(cut.mesh);
-  cut.mesh.points.resize(vertices);
-  cut.rounded.merged_into.resize(vertices);
-  connect(cut.mesh);
+  cut.rounded = round_cuts(cut.mesh, cut.first_made, place, distance, context);
   return cut;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/context.hpp"
@@ -39,6 +40,12 @@ struct CutMesh {
 /// that asked for two vertices is divided between them, one that asked for one between it and the opposite corner.
 /// Rounded and verified. O(faces + cuts log cuts).
 CutMesh cut_edges(PlanarMesh mesh, const std::vector<EdgeCut>& cuts, Chords chords, Context& context);
+
+/// The last step of every way of cutting: rounds and verifies a mesh whose vertices from `first_made` on were made on
+/// edges and lie at `place`; labels and distances as in round_and_verify. The exterior has a say where a vertex may pass
+/// the border. Dead faces are left out, neighbours are up to date.
+Rounded round_cuts(PlanarMesh& mesh, Index first_made, const std::function<ExactPlace(Index)>& place,
+                   const std::function<double(Index label, Point2)>& distance, Context& context);
 
 /// Is v a corner of `face`, a face of before, or made on one of its edges?
 bool is_on(const CutMesh& cut, const Face& face, Index v);

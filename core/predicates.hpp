@@ -43,6 +43,14 @@ inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
 /// The same with a relative error of 3e-16; several times slower on well-shaped triangles.
 double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c);
 
+/// The sign of a * b - c * d for non-negative factors, exact but for underflow.
+inline int compare_products(double a, double b, double c, double d) {
+  const double l = a * b, r = c * d;
+  if (l != r) return l < r ? -1 : 1;
+  const double el = std::fma(a, b, -l), er = std::fma(c, d, -r);
+  return el < er ? -1 : el > er ? 1 : 0;
+}
+
 /// Areas whose sum is below this are compared magnified: doubles near the smallest one have few digits.
 constexpr double tiny_area = 1e-280;
 
