@@ -2,11 +2,15 @@
 #include "core/zones.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
+#include <random>
 #include <tuple>
 #include <utility>
 
+#include "core/box.hpp"
 #include "core/overlay.hpp"
+#include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/region_fill.hpp"
 #include "core/rounding.hpp"
@@ -22,28 +26,62 @@ class Borders {
     PlanarMesh planar{mesh.points, mesh.faces, {}, {}};
     connect(planar);
     neighbours_ = std::move(planar.neighbours);
+    find_pieces();
     note_beside();
     mark_needed();
   }
 
-  /// Every border edge, from one needed point to the next, the zone on its left as its tag.
+  /// Connected pieces of zones.
+  const std::vector<Index>& zone_of_piece() const { return zone_of_piece_; }
+
+  /// Every border edge, from one needed point to the next, the piece on its left as its tag.
   std::vector<BorderEdge> edges() const {
     std::vector<BorderEdge> edges;
-    for_each_half_edge([&](Index f, Index from, Index to, bool) {
-      if (needed_[from]) edges.push_back({from, walk(from, to, [](Index) {}), mesh_.zone[f]});
+    for_each_half_edge([&](Index f, Index, Index from, Index to, bool) {
+      if (needed_[from]) edges.push_back({from, walk(from, to, [](Index) {}), piece_[f]});
     });
     return edges;
   }
 
+  /// The border of the domain as it looks from outside.
+  std::vector<BorderEdge> outside() const {
+    std::vector<BorderEdge> edges;
+    for_each_half_edge([&](Index, Index g, Index from, Index to, bool) {
+      if (g == none && needed_[from]) edges.push_back({walk(from, to, [](Index) {}), from});
+    });
+    return edges;
+  }
+
+  /// Did a point go that did not lie exactly on the line between those that stayed?
+  bool bent() const { return bent_; }
+
  private:
-  /// Visits the half-edges on borders, telling which is the first of its edge.
+  void find_pieces() {
+    piece_.assign(mesh_.faces.size(), none);
+    std::vector<Index> stack;
+    for (Index seed = 0; seed < static_cast<Index>(mesh_.faces.size()); ++seed) {
+      if (piece_[seed] != none) continue;
+      const auto piece = static_cast<Index>(zone_of_piece_.size());
+      zone_of_piece_.push_back(mesh_.zone[seed]);
+      piece_[seed] = piece;
+      stack.push_back(seed);
+      while (!stack.empty()) {
+        const Index f = stack.back();
+        stack.pop_back();
+        for (const Index g : neighbours_[f])
+          if (g != none && piece_[g] == none && mesh_.zone[g] == mesh_.zone[f]) piece_[g] = piece, stack.push_back(g);
+      }
+    }
+  }
+
+  /// Visits the half-edges on borders: the face, the face across, the ends, and whether it is the first of its edge.
   template <class Visit>
   void for_each_half_edge(Visit visit) const {
     for (Index f = 0; f < static_cast<Index>(mesh_.faces.size()); ++f)
       for (int k = 0; k < 3; ++k) {
         const Index g = neighbours_[f][k];
         if (g == none || mesh_.zone[g] != mesh_.zone[f])
-          visit(f, mesh_.faces[f][(k + 1) % 3], mesh_.faces[f][(k + 2) % 3], g == none || f < g);
+          visit(f, g, mesh_.faces[f][(k + 1) % 3], mesh_.faces[f][(k + 2) % 3], g == none || f < g);
       }
   }
 
@@ -65,7 +103,7 @@ class Borders {
       if (edges[v] < 2) beside_[v][edges[v]] = other;
       if (edges[v] < 3) ++edges[v];
     };
-    for_each_half_edge([&](Index, Index from, Index to, bool first) {
+    for_each_half_edge([&](Index, Index, Index from, Index to, bool first) {
       if (first) note(from, to), note(to, from);
     });
     needed_.assign(mesh_.points.size(), 1);
@@ -94,7 +132,7 @@ class Borders {
   void mark_needed() {
     std::vector<std::uint8_t> seen(mesh_.points.size(), 0);
     std::vector<std::vector<Index>> rows;
-    for_each_half_edge([&](Index, Index from, Index to, bool) {
+    for_each_half_edge([&](Index, Index, Index from, Index to, bool) {
       if (!needed_[from] || needed_[to] || seen[to]) return;
       std::vector<Index> row{from};
       row.push_back(walk(from, to, [&](Index v) { seen[v] = 1, row.push_back(v); }));
@@ -109,7 +147,10 @@ class Borders {
     bool straight = row[first] != row[last] || last == first + 1;
     for (std::size_t i = first + 1; straight && i < last; ++i)
       straight = lies_on(row[i], row[first], row[last], tolerance_);
-    if (straight) return;
+    if (straight) {
+      for (std::size_t i = first + 1; i < last; ++i) bent_ = bent_ || !lies_on(row[i], row[first], row[last], 0);
+      return;
+    }
     const std::size_t middle = (first + last) / 2;
     needed_[row[middle]] = 1;
     straighten(row, first, middle);
@@ -119,46 +160,78 @@ class Borders {
   const ZonedMesh& mesh_;
   double tolerance_;
   Array<Face> neighbours_;
+  std::vector<Index> piece_, zone_of_piece_;
   std::vector<std::array<Index, 2>> beside_;  // where two border edges meet, their other ends
   std::vector<std::uint8_t> needed_;
+  bool bent_ = false;
 };
 
-/// The zone of every face, from the border inwards; none where the border does not agree about it.
-std::optional<std::vector<Index>> flooded(const FilledRegion& region, const std::vector<BorderEdge>& edges) {
-  std::vector<Index> zone(region.faces.size(), none), stack;
-  const auto reach = [&](Index f, Index from) {
-    if (zone[f] == none) zone[f] = from, stack.push_back(f);
-    return zone[f] == from;
-  };
-  for (std::size_t f = 0; f < region.faces.size(); ++f)
-    for (const Index across : region.across[f])
-      if (across < 0 && !reach(static_cast<Index>(f), edges[-1 - across].tag)) return {};
-  while (!stack.empty()) {
-    const Index f = stack.back();
-    stack.pop_back();
-    for (const Index across : region.across[f])
-      if (across >= 0 && !reach(across / 4, zone[f])) return {};
-  }
-  return zone;
+/// Border edges that belong together, one group after another.
+struct Groups {
+  std::vector<BorderEdge> edges;
+  std::vector<std::size_t> first;
+  std::span<const BorderEdge> group(std::size_t i) const { return {edges.data() + first[i], first[i + 1] - first[i]}; }
+};
+
+Groups grouped(const std::vector<BorderEdge>& edges, std::size_t groups) {
+  Groups result;
+  result.first.assign(groups + 1, 0);
+  for (const BorderEdge& e : edges) ++result.first[e.tag + 1];
+  for (std::size_t i = 0; i < groups; ++i) result.first[i + 1] += result.first[i];
+  result.edges.resize(edges.size());
+  std::vector<std::size_t> next = result.first;
+  for (const BorderEdge& e : edges) result.edges[next[e.tag]++] = e;
+  // In random order long edges side by side are put into a triangulation in O(n log^2 n); see Shewchuk & Brown (2015).
+  std::mt19937 random;
+  for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t i = result.first[g + 1]; i > result.first[g] + 1; --i)
+      std::swap(result.edges[i - 1], result.edges[result.first[g] + random() % (i - result.first[g])]);
+  return result;
 }
 
-std::optional<ZonedMesh> triangulated_anew(const ZonedMesh& mesh, double tolerance) {
-  const std::vector<BorderEdge> edges = Borders(mesh, tolerance).edges();
-  const FilledRegion region = fill_region(mesh.points, edges);
-  if (!region.sound) return {};
-  auto zone = flooded(region, edges);
-  if (!zone) return {};
+/// Does the border still bound the domain, seen from outside? The pieces inside are asked when they are filled.
+bool bounds_outside(const ZonedMesh& mesh, std::vector<BorderEdge> outside) {
+  Array<Point2> points = mesh.points;
+  Box box = no_box;
+  for (const Point2 p : points) box = around(box, p);
+  box = frame_around(box);
+  const auto n = static_cast<Index>(points.size());
+  for (const Point2 corner : {Point2{box.xmin, box.ymin}, Point2{box.xmax, box.ymin}, Point2{box.xmax, box.ymax},
+                              Point2{box.xmin, box.ymax}})
+    points.push_back(corner);
+  for (Index k = 0; k < 4; ++k) outside.push_back({n + k, n + (k + 1) % 4});
+  return fill_region(points, outside).sound;
+}
+
+/// None where the points that are left out were needed to keep borders apart.
+std::optional<ZonedMesh> triangulated_anew(const ZonedMesh& mesh, double tolerance, Context& context) {
+  const Borders borders(mesh, tolerance);
+  if (borders.bent() && !bounds_outside(mesh, borders.outside())) return {};
+  const std::vector<Index>& zone_of_piece = borders.zone_of_piece();
+  const Groups pieces = grouped(borders.edges(), zone_of_piece.size());
+  std::vector<std::vector<Face>> faces(zone_of_piece.size());
+  std::atomic<bool> sound = true;
+  constexpr std::size_t pieces_per_task = 16;
+  parallel_for(context, faces.size(), pieces_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && sound; ++i) {
+      FilledRegion region = fill_region(mesh.points, pieces.group(i));
+      if (!region.sound) sound = false;
+      faces[i] = std::move(region.faces);
+    }
+  });
+  if (!sound) return {};
   ZonedMesh result;
-  result.zone = *std::move(zone);
   std::vector<Index> index(mesh.points.size(), none);
-  for (const BorderEdge& e : edges) index[e.from] = 0;
+  for (const BorderEdge& e : pieces.edges) index[e.from] = 0;
   for (std::size_t v = 0; v < index.size(); ++v)
     if (index[v] != none) {
       index[v] = static_cast<Index>(result.points.size());
       result.points.push_back(mesh.points[v]);
     }
-  result.faces.reserve(region.faces.size());
-  for (const Face& f : region.faces) result.faces.push_back({index[f[0]], index[f[1]], index[f[2]]});
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (const Face& f : faces[i]) result.faces.push_back({index[f[0]], index[f[1]], index[f[2]]});
+    result.zone.resize(result.faces.size(), zone_of_piece[i]);
+  }
   return result;
 }
 
@@ -188,7 +261,7 @@ ZonedMesh dissolve(const ZonedMesh& mesh, double tolerance, Context& context) {
   context.progress("dissolve", 0);
   if (mesh.faces.empty()) return {};
   for (const double within : {tolerance, 0.0}) {
-    if (auto result = triangulated_anew(mesh, within)) return *std::move(result);
+    if (auto result = triangulated_anew(mesh, within, context)) return *std::move(result);
     context.progress("dissolve", 0.5);
   }
   return mesh;
