@@ -40,9 +40,7 @@ class Reader {
     for (std::size_t f = 0; f < tin_.faces.size(); ++f) {
       if (is_wall(tin_, tin_.faces[f])) continue;
       const double a = z(f, 0), b = z(f, 1), c = z(f, 2);
-      if (a == b && b == c) {
-        level.push_back(f);
-      } else if (one_height(a, b) && one_height(b, c) && one_height(c, a)) {
+      if (one_height(a, b) && one_height(b, c) && one_height(c, a)) {
         level.push_back(f);
       } else {
         if (!is_steep(f))
@@ -69,13 +67,9 @@ class Reader {
 
   bool is_steep(std::size_t f) const {
     const Face& face = tin_.faces[f];
-    const Point2 o = plan(tin_.vertices[face[0]]);
-    const Point2 unit = rule_.scale ? rule_.scale(o) : Point2{1, 1};
-    const auto at = [&](int k) {
-      const Point2 p = plan(tin_.vertices[face[k]]);
-      return Point2{(p.x - o.x) * unit.x, (p.y - o.y) * unit.y};
-    };
-    return slope_of_triangle({at(0), at(1), at(2)}, {z(f, 0), z(f, 1), z(f, 2)}) > steep;
+    const Point &a = tin_.vertices[face[0]], &b = tin_.vertices[face[1]], &c = tin_.vertices[face[2]];
+    if (rule_.slope) return rule_.slope(a, b, c) > steep;
+    return slope_of_triangle({plan(a), plan(b), plan(c)}, {a.z, b.z, c.z}) > steep;
   }
 
   [[noreturn]] void refuse(std::size_t f, const std::string& why) const {

@@ -22,12 +22,12 @@ namespace terrane {
 
 enum Truth : Index { is_false = 0, is_true = 1 };
 
-/// Of a place in plan: height units per plan unit, along x and along y. None: 1.
-using LengthScale = std::function<Point2(Point2)>;
+/// How far a face rises per distance in plan, both in one unit of length. None: as coordinates have it.
+using Slope = std::function<double(const Point&, const Point&, const Point&)>;
 
 struct BinaryRule {
   double mean = 127.5;  // what the level of a surface of one level alone is compared with: true from there up
-  LengthScale scale;    // in what 89.9 degrees are measured
+  Slope slope;          // what 89.9 degrees are measured by
   std::string name;     // of the input, for messages
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
 
 #include "core/error.hpp"
 #include "core/toe.hpp"
 #include "core/volume.hpp"
 #include "ops/inputs.hpp"
+#include "ops/levels.hpp"
 #include "ops/measure.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"

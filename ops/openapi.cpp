@@ -35,19 +35,31 @@ Json example_surface(double lift) {
       {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
 }
 
+/// The same square, level: true or false as a whole.
+Json example_level(double height) {
+  Json tin = example_surface(height);
+  for (Json& vertex : tin["vertices"]) vertex[2] = height;
+  return tin;
+}
+
 /// An ESRI ASCII grid, for operations that take nothing but rasters.
 const char* const example_grid =
     "ncols 3\nnrows 3\nxllcenter 470000\nyllcenter 4380000\ncellsize 50\nNODATA_value -9999\n1 2 3\n2 4 4\n3 3 5\n";
 
 Json example_inputs(const Operation& operation) {
   Json inputs = Json::object();
+  const bool takes_binary = std::any_of(operation.parameters.begin(), operation.parameters.end(),
+                                        [](const Parameter& p) { return p.name == "extent"; });
   double lift = 10;
   for (const InputSlot& slot : operation.inputs) {
     Json value = {{"value", example_surface(lift)}, {"mediaType", "application/json"}};
+    if (takes_binary) value["value"] = example_level(lift > 9 ? 255 : 0);
     if (operation.intake.raster_only) value = {{"value", example_grid}, {"mediaType", "application/x-esri-ascii-grid"}};
     inputs[slot.name] = slot.max_occurs == 1 ? value : Json::array({value});
     lift -= 3;
   }
+  if (operation.id == "threshold") inputs["level"] = 12;
+  if (operation.id == "quantize") inputs["interval"] = 2;
   if (operation.id == "transform") inputs["target-crs"] = "EPSG:4326";
   return {{"inputs", inputs}};
 }

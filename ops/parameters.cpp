@@ -217,6 +217,14 @@ void Fields::length(const char* name, Length& field, Bounds bounds, const char* 
     field = Length::of(*value);
 }
 
+void Fields::length(const char* name, std::optional<Length>& field, Bounds bounds, const char* sentence) {
+  Length value = field.value_or(Length{});
+  const bool given = !described_ && find(name);
+  length(name, value, bounds, sentence);
+  if (described_ && !field) described_->back().default_value = nullptr;
+  if (given) field = value;
+}
+
 void Fields::text(const char* name, std::string& field, const char* sentence) {
   if (described_)
     describe({name,

@@ -49,6 +49,8 @@ class Fields {
   void integer(const char* name, long& field, Bounds bounds, const char* sentence);
   void boolean(const char* name, bool& field, const char* sentence);
   void length(const char* name, Length& field, Bounds bounds, const char* sentence);
+  /// Without a default.
+  void length(const char* name, std::optional<Length>& field, Bounds bounds, const char* sentence);
   void text(const char* name, std::string& field, const char* sentence);
   void crs(const char* name, std::string& field, const char* sentence);
   void numbers(const char* name, std::vector<double>& field, const char* sentence);

@@ -112,6 +112,11 @@ Choices that are made here where others are possible:
   alone stays
   where it is.
 - `volume` takes `levels` instead of a reference, a row each; the sides are then called above and below.
+- The area of a level is where z is at the level or above. A surface that only reaches it, at a peak or along a ridge,
+  has no such area there; faces that lie exactly at it belong to it and are reported. The results of `threshold`,
+  `quantize` and the logical operations keep of the points only those that the borders of their level areas need.
+- A logical operation divides faces steeper than 89.9° half-way between the two levels; in degrees, and where heights
+  have another unit than lengths, the angle is that on the ground.
 - `validate` with `repair` keeps the earlier faces where faces overlap, in an order taken from their connection.
 - Numbers in coordinates that all lie within 360 by 90 in a projected CRS are suspected to be degrees: refused where
   other inputs

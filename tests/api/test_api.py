@@ -65,7 +65,8 @@ class Resources(unittest.TestCase):
         processes = service.get("/processes").json()["processes"]
         ids = [process["id"] for process in processes]
         self.assertLessEqual({"add", "subtract", "merge", "volume", "triangulate", "validate", "info", "convert",
-                              "transform", "render"}, set(ids))
+                              "transform", "render", "and", "or", "xor", "nand", "nor", "not", "threshold", "quantize"},
+                             set(ids))
         for process in processes:
             description = service.get("/processes/" + process["id"]).json()
             self.assertEqual(description["id"], process["id"])
@@ -233,6 +234,25 @@ class Executions(unittest.TestCase):
         picture = service.post_form("render", [("surface", File("dem.asc", grid))], "?assume-crs=EPSG:25831")
         self.assertEqual((picture.status, picture.media_type), (200, "image/png"), picture.body[:300])
         self.assertTrue(picture.body.startswith(b"\x89PNG"))
+
+    def test_thresholds_are_combined(self):
+        grids = [File(name, ascii_grid(20, 20, height)) for name, height in
+                 (("columns.asc", lambda c, r: c), ("rows.asc", lambda c, r: r))]
+        query = "?f=obj&assume-crs=EPSG:25831&"
+        areas = [service.post_form("threshold", [("surface", grid)], query + "level=9.5").body for grid in grids]
+        for operation, heights in (("and", 0.25), ("or", 0.75), ("xor", 0.5), ("nand", 0.75), ("nor", 0.25)):
+            answer = service.post_form(operation, [("a", File("a.obj", areas[0])), ("b", File("b.obj", areas[1]))],
+                                       query + "z-true=1")
+            self.assertEqual(answer.status, 200, answer.body)
+            vertices, faces = read_obj(answer.body)
+            true = [face for face in faces if all(vertices[v][2] == 1 for v in face)]
+            self.assertAlmostEqual(plan_area(vertices, true), heights * 190 * 190)
+        grey = service.post_form("and", [("a", File("a.obj", areas[0])), ("b", grids[1])], query)
+        self.assertEqual(grey.status, 422)
+        self.assertIn("threshold", grey.json()["detail"])
+        terraces = service.post_form("quantize", [("surface", grids[0])], query + "levels=0,5,10")
+        self.assertEqual({v[2] for v in read_obj(terraces.body)[0]}, {0, 5, 10})
+        self.assertEqual(service.post_form("threshold", [("surface", grids[0])], query).status, 400)
 
     def test_the_media_type_or_the_name_or_the_magic_tells_the_format(self):
         for part in (File("x", WEST, "model/obj"), File("west.obj", WEST), File("x", WEST)):

@@ -41,4 +41,16 @@ expect 0 convert large.obj -o large.obj --force
 expect 0 convert large.obj -o again.ply
 cmp named.ply again.ply || failed=1
 [ -z "$(find . -name '.*.obj.*' -o -name '.*.ply.*')" ] || { echo "temporary files are left"; failed=1; }
+
+# True and false: what is not binary is an input error, what cannot be meant a usage error.
+printf 'ncols 3\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 10\n1 2 3\n2 4 4\n3 3 5\n' > dem.asc
+expect 0 threshold dem.asc --level 2.5 -o true.obj
+expect 0 and true.obj true.obj -o and.obj
+expect 0 not and.obj -o not.obj
+expect 0 nor and.obj not.obj --extent box -o nor.obj
+expect 0 quantize dem.asc --interval 2 -o terraces.obj
+expect 3 or true.obj dem.asc -o or.obj
+expect 2 threshold dem.asc -o none.obj
+expect 2 quantize dem.asc --interval 1 --levels 1,2 -o none.obj
+expect 2 xor true.obj true.obj --z-true 0 -o none.obj
 exit $failed

@@ -133,7 +133,10 @@ TEST(ReadBinary, WhatIsSteepDependsOnTheUnits) {
                                 {{0, 1, 2}, {1, 3, 2}, {3, 5, 2}, {1, 4, 3}, {3, 4, 5}}});
   Context context;
   EXPECT_THROW(read(tin), Error);  // one of its faces is not steep enough
-  EXPECT_NO_THROW(read_binary(tin, {0, [](Point2) { return Point2{0.01, 0.01}; }, "input"}, context));
+  const Slope in_other_units = [](const Point& a, const Point& b, const Point& c) {
+    return 1e3 * std::max({a.z, b.z, c.z});
+  };
+  EXPECT_NO_THROW(read_binary(tin, {0, in_other_units, "input"}, context));
 }
 
 TEST(ReadBinary, RefusesWhatIsNotBinary) {
