@@ -75,7 +75,7 @@ class Cutter {
   std::vector<Edge> edges_;
   std::vector<Piece> pieces_;  // what the labels of the mesh stand for
   std::vector<Index> nodes_;
-  Array<Point2> rounded_;  // as they were before any was moved
+  Array<Point2> rounded_;          // as they were before any was moved
   std::array<Index, 2> target_{};  // the face that the next triangle replaces, or none; its label
 };
 
@@ -113,8 +113,10 @@ void Cutter::cut_edge(Index f, int k, Index g, int j) {
     return zp < zq ? Side{zp, zq, first, last, 1} : Side{zp, zq, last - 1, first - 1, -1};
   };
   Side a = side(z(f, k + 1), z(f, k + 2)), b = a;
-  if (g == none) b.at = b.end;
-  else if (z(g, j + 2) != a.zp || z(g, j + 1) != a.zq) b = side(z(g, j + 2), z(g, j + 1));
+  if (g == none)
+    b.at = b.end;
+  else if (z(g, j + 2) != a.zp || z(g, j + 1) != a.zq)
+    b = side(z(g, j + 2), z(g, j + 1));
   if (a.at == a.end && b.at == b.end) return;
 
   const Index p = mesh_.faces[f][(k + 1) % 3], q = mesh_.faces[f][(k + 2) % 3];
@@ -233,7 +235,8 @@ void Cutter::triangulate(std::vector<Node> polygon, int diagonals) {
       for (std::size_t k = 0; k < n; ++k)
         if (k != i) common &= polygon[k].lines;
       if (common != 0) continue;
-      const double q = quality(mesh_.points[before.vertex], mesh_.points[polygon[i].vertex], mesh_.points[after.vertex]);
+      const double q =
+          quality(mesh_.points[before.vertex], mesh_.points[polygon[i].vertex], mesh_.points[after.vertex]);
       if (best == n || q > best_quality) best = i, best_quality = q;
     }
     emit(polygon[(best + n - 1) % n].vertex, polygon[best].vertex, polygon[(best + 1) % n].vertex);
@@ -301,8 +304,8 @@ double Cutter::steepest() const {
     for (const Index f : made.owners) {
       if (f == none) continue;
       const Face& c = surface_.faces[f];
-      largest = std::max(largest, slope_of_triangle({rounded_[c[0]], rounded_[c[1]], rounded_[c[2]]},
-                                                    {z(f, 0), z(f, 1), z(f, 2)}));
+      largest = std::max(
+          largest, slope_of_triangle({rounded_[c[0]], rounded_[c[1]], rounded_[c[2]]}, {z(f, 0), z(f, 1), z(f, 2)}));
     }
   return largest;
 }

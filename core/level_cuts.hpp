@@ -11,7 +11,7 @@
 namespace terrane {
 
 struct LevelZones {
-  ZonedMesh mesh;           // zone: how many levels are not above the surface there
+  ZonedMesh mesh;  // zone: how many levels are not above the surface there
   RoundingReport rounding;
   /// No rounding brought a point of a zone's border further than this, in height, from the level it is of: on steep
   /// faces a place an ulp off lies as much higher as they are steep.

@@ -23,9 +23,7 @@ std::string shortest(double x) {
   return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
-bool one_height(double a, double b) {
-  return std::fabs(a - b) <= std::max(rounding_jump(a), rounding_jump(b));
-}
+bool one_height(double a, double b) { return std::fabs(a - b) <= std::max(rounding_jump(a), rounding_jump(b)); }
 
 /// Tells level faces from steep ones.
 class Reader {
@@ -51,7 +49,8 @@ class Reader {
       found.lower = std::min({found.lower, a, b, c}), found.upper = std::max({found.upper, a, b, c});
     }
     if (level.empty())
-      throw Error(ErrorKind::input, "not-binary", "'" + rule_.name + "' is no binary surface: no face of it is level; " + remedy);
+      throw Error(ErrorKind::input, "not-binary",
+                  "'" + rule_.name + "' is no binary surface: no face of it is level; " + remedy);
     for (const std::size_t f : level)
       if (!one_height(z(f, 0), found.lower) && !one_height(z(f, 0), found.upper))
         refuse(f, "lies at " + shortest(z(f, 0)) + ", between the levels " + shortest(found.lower) + " and " +

@@ -32,7 +32,7 @@ struct BinaryRule {
 };
 
 struct Binary {
-  ZonedMesh mesh;  // zones are Truth; dissolved
+  ZonedMesh mesh;               // zones are Truth; dissolved
   double lower = 0, upper = 0;  // the levels; equal where there is one alone
   bool one_level = false;
   RoundingReport rounding;

@@ -196,8 +196,8 @@ bool bounds_outside(const ZonedMesh& mesh, std::vector<BorderEdge> outside) {
   for (const Point2 p : points) box = around(box, p);
   box = frame_around(box);
   const auto n = static_cast<Index>(points.size());
-  for (const Point2 corner : {Point2{box.xmin, box.ymin}, Point2{box.xmax, box.ymin}, Point2{box.xmax, box.ymax},
-                              Point2{box.xmin, box.ymax}})
+  for (const Point2 corner :
+       {Point2{box.xmin, box.ymin}, Point2{box.xmax, box.ymin}, Point2{box.xmax, box.ymax}, Point2{box.xmin, box.ymax}})
     points.push_back(corner);
   for (Index k = 0; k < 4; ++k) outside.push_back({n + k, n + (k + 1) % 4});
   return fill_region(points, outside).sound;

@@ -19,10 +19,11 @@ void BinaryHeights::check() const {
   if (z_true - z_false > 1e-8 * std::max({1.0, std::fabs(z_false), std::fabs(z_true)}) &&
       std::max(std::fabs(z_false), std::fabs(z_true)) <= 1e100)
     return;
-  throw Error(ErrorKind::usage, "bad-parameter",
-              "z-true is " + nlohmann::json(z_true).dump() + " and z-false " + nlohmann::json(z_false).dump() +
-                  "; the upper level of a binary surface is its true one, so z-true must be above z-false (true-when of "
-                  "'threshold', or 'not', exchanges the two)");
+  throw Error(
+      ErrorKind::usage, "bad-parameter",
+      "z-true is " + nlohmann::json(z_true).dump() + " and z-false " + nlohmann::json(z_false).dump() +
+          "; the upper level of a binary surface is its true one, so z-true must be above z-false (true-when of "
+          "'threshold', or 'not', exchanges the two)");
 }
 
 nlohmann::json truth_areas(const Tin& result, const BinaryHeights& heights, const Crs& crs, Context& context) {

@@ -29,7 +29,9 @@ struct LogicParameters {
   }
 };
 
-void check(const nlohmann::json& values, const std::vector<InputPart>&) { filled<LogicParameters>(values).heights.check(); }
+void check(const nlohmann::json& values, const std::vector<InputPart>&) {
+  filled<LogicParameters>(values).heights.check();
+}
 
 Binary read(const Surface& surface, const LogicParameters& p, Context& context) {
   BinaryRule rule{p.heights.mean(), {}, surface.name};
@@ -49,7 +51,7 @@ struct Answers {
 
 Answers answers(const Binary& binary, const HeightRange& z, double mean) {
   if (binary.one_level) return {{binary.lower < mean, binary.lower >= mean}};
-  return {{z.low < binary.upper - rounding_jump(binary.upper), z.high > binary.lower + rounding_jump(binary.lower)}};
+  return {{z.low<binary.upper - rounding_jump(binary.upper), z.high> binary.lower + rounding_jump(binary.lower)}};
 }
 
 HeightFold truth_height(const Binary& a, const Binary& b, const LogicParameters& p, const TruthTable& table) {
@@ -59,12 +61,10 @@ HeightFold truth_height(const Binary& a, const Binary& b, const LogicParameters&
     kept.lower = binary.lower, kept.upper = binary.upper, kept.one_level = binary.one_level;
     return kept;
   };
-  return [of = std::array{levels(a), levels(b)}, p, table](
-             const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
+  return [of = std::array{levels(a), levels(b)}, p,
+          table](const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
     if (p.extent == Extent::overlap && !(z[0] && z[1])) return {};
-    const auto in = [&](int i) {
-      return z[i] ? answers(of[i], *z[i], p.heights.mean()) : Answers{{true, false}};
-    };
+    const auto in = [&](int i) { return z[i] ? answers(of[i], *z[i], p.heights.mean()) : Answers{{true, false}}; };
     const Answers x = in(0), y = in(1);
     HeightRange range{INFINITY, -INFINITY};
     for (int i = 0; i < 4; ++i) {
@@ -126,7 +126,9 @@ Operation logic(const char* id, const char* title, const char* what) {
 
 }  // namespace
 
-Operation logic_and() { return logic<is_false, is_false, is_true>("and", "True where both are true", "both inputs are"); }
+Operation logic_and() {
+  return logic<is_false, is_false, is_true>("and", "True where both are true", "both inputs are");
+}
 Operation logic_or() {
   return logic<is_false, is_true, is_true>("or", "True where either is true", "at least one input is");
 }
@@ -136,8 +138,6 @@ Operation logic_xor() {
 Operation logic_nand() {
   return logic<is_true, is_true, is_false>("nand", "True where not both are true", "at most one input is");
 }
-Operation logic_nor() {
-  return logic<is_true, is_false, is_false>("nor", "True where neither is true", "no input is");
-}
+Operation logic_nor() { return logic<is_true, is_false, is_false>("nor", "True where neither is true", "no input is"); }
 
 }  // namespace terrane

@@ -7,7 +7,6 @@
 #include "core/volume.hpp"
 #include "ops/binary.hpp"
 #include "ops/inputs.hpp"
-#include "ops/levels.hpp"
 #include "ops/operations.hpp"
 
 namespace terrane {
@@ -16,12 +15,12 @@ namespace {
 struct QuantizeParameters {
   std::optional<Length> interval;
   Length base;
-  std::string levels;
+  std::vector<double> levels;
 
   void visit(Fields& f) {
     f.length("interval", interval, {.minimum = 0}, "The height of a step; either this or levels is needed.");
     f.length("base", base, {}, "A height that steps are counted from, up and down.");
-    f.text("levels", levels, "The heights of the terraces instead: a list (90,95,100) or from:to:step (90:110:5).");
+    f.numbers("levels", levels, "The heights of the terraces instead: a list (90,95,100) or from:to:step (90:110:5).");
   }
 };
 
@@ -33,14 +32,13 @@ void check(const nlohmann::json& values, const std::vector<InputPart>&) {
                     std::string(p.interval ? ", not both" : ": interval=10, or levels=90,95,100"));
   if (p.interval && !(p.interval->value > 0))
     throw Error(ErrorKind::usage, "bad-parameter", "parameter 'interval' is 0; it takes a length above 0");
-  if (!p.levels.empty()) parse_levels(p.levels);
 }
 
 /// The heights of all terraces, from the lowest one up.
 std::vector<double> terraces(const QuantizeParameters& p, const Surface& surface) {
   std::vector<double> heights;
   if (!p.interval) {
-    heights = parse_levels(p.levels);
+    heights = p.levels;
     std::sort(heights.begin(), heights.end());
     heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
     return heights;
@@ -64,8 +62,8 @@ std::vector<double> terraces(const QuantizeParameters& p, const Surface& surface
 }
 
 HeightFold terrace_height(std::vector<double> heights, double play) {
-  return [heights = std::move(heights), play](
-             const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
+  return [heights = std::move(heights),
+          play](const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
     if (!z[0]) return {};
     const auto floor_of = [&](double height) {
       const auto above = std::upper_bound(heights.begin(), heights.end(), height);
@@ -80,8 +78,7 @@ Outcome run(std::vector<Surface>& inputs, const QuantizeParameters& p, Context& 
   const Surface& surface = input(inputs, "surface");
   const std::vector<double> heights = terraces(p, surface);
   // Below the first level is the first terrace, too: nothing is cut there.
-  const LevelZones zones =
-      level_zones(surface.tin(), std::span<const double>(heights).subspan(1), context);
+  const LevelZones zones = level_zones(surface.tin(), std::span<const double>(heights).subspan(1), context);
   Assembled steps = lifted(zones.mesh, heights, context);
 
   Outcome outcome;

@@ -40,7 +40,8 @@ HeightFold binary_height(double level, double play, const BinaryHeights& heights
   return [=](const std::vector<std::optional<HeightRange>>& z) -> std::optional<HeightRange> {
     if (!z[0]) return {};
     const double near = play + 1e-12 * std::max(1.0, std::fabs(level));
-    const double a = heights.of((z[0]->low - near >= level) == above), b = heights.of((z[0]->high + near >= level) == above);
+    const double a = heights.of((z[0]->low - near >= level) == above),
+                 b = heights.of((z[0]->high + near >= level) == above);
     return HeightRange{std::min(a, b), std::max(a, b)};
   };
 }

@@ -106,8 +106,8 @@ TEST(LogicLaws, AreasOfPolygonPairsAreThoseOfGeos) {
     const Tin a = checked(surface(first), "a", context), b = checked(surface(second), "b", context);
     const ZonedMesh zones_a = read_binary(a, {}, context).mesh, zones_b = read_binary(b, {}, context).mesh;
     const Box p = bounds(a), q = bounds(b);
-    const double box = (std::max(p.xmax, q.xmax) - std::min(p.xmin, q.xmin)) *
-                       (std::max(p.ymax, q.ymax) - std::min(p.ymin, q.ymin));
+    const double box =
+        (std::max(p.xmax, q.xmax) - std::min(p.xmin, q.xmin)) * (std::max(p.ymax, q.ymax) - std::min(p.ymin, q.ymin));
     double shared = first.shared_area(second), united = first.united_area(second);
     const double perimeter = 400, play = 4 * 1e-9 * (shift > 0 ? 1 : 1e-5) * perimeter + 1e-11 * box;
     if (const support::OracleCounts truth = support::oracle_counts(a, b);

@@ -39,7 +39,8 @@ std::vector<double> areas(const Tin& tin, const std::vector<double>& levels) {
   std::vector<double> sum(levels.size() + 1, 0);
   const ZonedMesh mesh = zones(tin, levels).mesh;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const Point2 p = mesh.points[mesh.faces[f][0]], q = mesh.points[mesh.faces[f][1]], r = mesh.points[mesh.faces[f][2]];
+    const Point2 p = mesh.points[mesh.faces[f][0]], q = mesh.points[mesh.faces[f][1]],
+                 r = mesh.points[mesh.faces[f][2]];
     sum[mesh.zone[f]] += 0.5 * ((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x));
   }
   return sum;
@@ -185,8 +186,7 @@ TEST(LevelZones, TilesCutASharedEdgeAtTheSamePlaces) {
   const Tin a = terraces(left, levels), b = terraces(right, levels);
   // Vertices of one that lie on the other's border are vertices of it where the zone changes.
   std::size_t shared = 0;
-  for (const Point& p : a.vertices)
-    shared += std::find(b.vertices.begin(), b.vertices.end(), p) != b.vertices.end();
+  for (const Point& p : a.vertices) shared += std::find(b.vertices.begin(), b.vertices.end(), p) != b.vertices.end();
   EXPECT_GT(shared, 20u);
 }
 

@@ -20,8 +20,10 @@ using support::drawn;
 using support::open_seams;
 using support::wrong_with;
 
-constexpr TruthTable and_table = {is_false, is_false, is_false, is_true}, or_table = {is_false, is_true, is_true, is_true},
-                     xor_table = {is_false, is_true, is_true, is_false}, nand_table = {is_true, is_true, is_true, is_false},
+constexpr TruthTable and_table = {is_false, is_false, is_false, is_true},
+                     or_table = {is_false, is_true, is_true, is_true},
+                     xor_table = {is_false, is_true, is_true, is_false},
+                     nand_table = {is_true, is_true, is_true, is_false},
                      nor_table = {is_true, is_false, is_false, is_false};
 const std::vector<double> levels = {0, 255};
 
@@ -47,11 +49,10 @@ Tin blocks(double side, const std::vector<Box>& boxes) {
   ZonedMesh mesh{{{0, 0}, {side, 0}, {side, side}, {0, side}}, {{0, 1, 2}, {0, 2, 3}}, {0, 0}, {}};
   RoundingReport rounding;
   for (const Box& b : boxes) {
-    const ZonedMesh block{{{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}},
-                          {{0, 1, 2}, {0, 2, 3}},
-                          {1, 1},
-                          {}};
-    mesh = fold_zones(mesh, block, [](Index x, Index y) { return y == none ? x : y; }, rounding, context);
+    const ZonedMesh block{
+        {{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}, {{0, 1, 2}, {0, 2, 3}}, {1, 1}, {}};
+    mesh = fold_zones(
+        mesh, block, [](Index x, Index y) { return y == none ? x : y; }, rounding, context);
   }
   return surface(mesh);
 }
@@ -64,7 +65,8 @@ Combined combined(const Tin& a, const Tin& b, const TruthTable& table, Extent ex
 double true_area(const ZonedMesh& mesh) {
   double sum = 0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    const Point2 p = mesh.points[mesh.faces[f][0]], q = mesh.points[mesh.faces[f][1]], r = mesh.points[mesh.faces[f][2]];
+    const Point2 p = mesh.points[mesh.faces[f][0]], q = mesh.points[mesh.faces[f][1]],
+                 r = mesh.points[mesh.faces[f][2]];
     if (mesh.zone[f] == is_true) sum += 0.5 * ((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x));
   }
   return sum;
@@ -156,7 +158,8 @@ TEST(ReadBinary, RefusesWhatIsNotBinary) {
   EXPECT_NE(slope.find("'threshold'"), std::string::npos);
   Context context;
   const Tin three = lifted(level_zones(drawn("0123\n0123"), std::vector<double>{1, 2}, context).mesh,
-                           std::vector<double>{0, 5, 9}, context).tin;
+                           std::vector<double>{0, 5, 9}, context)
+                        .tin;
   EXPECT_NE(message(three).find("at 5, between the levels 0 and 9"), std::string::npos) << message(three);
 }
 
@@ -247,11 +250,9 @@ TEST(Combine, TablesHoldAtRandomPlaces) {
 TEST(Combine, DeMorganToTheLastBit) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Tin a = random_binary(400, seed), b = random_binary(300, 100 + seed, 4);
-    EXPECT_EQ(level_parts(negated(operated(a, b, and_table))),
-              level_parts(operated(negated(a), negated(b), or_table)))
+    EXPECT_EQ(level_parts(negated(operated(a, b, and_table))), level_parts(operated(negated(a), negated(b), or_table)))
         << seed;
-    EXPECT_EQ(level_parts(negated(operated(a, b, or_table))),
-              level_parts(operated(negated(a), negated(b), and_table)))
+    EXPECT_EQ(level_parts(negated(operated(a, b, or_table))), level_parts(operated(negated(a), negated(b), and_table)))
         << seed;
     EXPECT_EQ(level_parts(negated(operated(a, b, and_table))), level_parts(operated(a, b, nand_table))) << seed;
     EXPECT_EQ(negated(negated(a)), a);

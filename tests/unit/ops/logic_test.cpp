@@ -114,8 +114,9 @@ TEST(Threshold, FlatAreasAtTheLevelAreReported) {
   EXPECT_TRUE(warned(r, "flat-at-level"));
   EXPECT_EQ(r.report["flat_at_level"], nlohmann::json({{"faces", 8}, {"area_2d", 400.0}}));
   EXPECT_EQ(r.report["truth"]["true_2d"], 1600.0);
-  EXPECT_EQ(run("threshold", {part("surface", flat)}, {{"level", "7"}, {"true-when", "below"}}).report["truth"]["true_2d"],
-            0.0);
+  EXPECT_EQ(
+      run("threshold", {part("surface", flat)}, {{"level", "7"}, {"true-when", "below"}}).report["truth"]["true_2d"],
+      0.0);
 }
 
 TEST(Threshold, TakesUnitsAndRefusesNonsense) {
@@ -168,8 +169,10 @@ TEST(Logic, NotOfNotIsTheSameSurface) {
                  twice = run("not", {part("a", run("not", {part("a", once.body)}).body)});
   expect_sound(twice);
   EXPECT_TRUE(mesh(once) == mesh(twice));
-  const Response odd = run("not", {part("a", run("threshold", {part("surface", dome(470000, 4380000))},
-                                                 {{"level", "50"}, {"z-false", "0.1"}, {"z-true", "0.7"}}).body)},
+  const Response odd = run("not",
+                           {part("a", run("threshold", {part("surface", dome(470000, 4380000))},
+                                          {{"level", "50"}, {"z-false", "0.1"}, {"z-true", "0.7"}})
+                                          .body)},
                            {{"z-false", "0.1"}, {"z-true", "0.7"}});
   EXPECT_EQ(heights(odd), (std::set<double>{0.1, 0.7})) << "though 0.1 + 0.7 - 0.1 is not 0.7 in doubles";
   expect_sound(run("not", {part("a", dome(470000, 4380000))}));
@@ -191,7 +194,8 @@ TEST(Logic, RefusesWhatIsNotBinaryAndWhatDoesNotOverlap) {
 
 TEST(Logic, SlopesOfDegreesAreMeasuredInMetres) {
   // From 0 to 255 over 0.0005 degrees, some 40 m: 81 degrees steep.
-  const std::string cell = lattice(2, 3, 39, 0.0005, [](int i, int) { return i == 0 ? 0 : 255; }, "EPSG:4326");
+  const std::string cell = lattice(
+      2, 3, 39, 0.0005, [](int i, int) { return i == 0 ? 0 : 255; }, "EPSG:4326");
   EXPECT_EQ(refusal("and", {part("a", cell), part("b", cell)}).code, "not-binary");
   const Response r = run("threshold", {part("surface", cell)}, {{"level", "100"}});
   expect_sound(r);
