@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/canvas.hpp"
 #include "core/error.hpp"
 
 namespace terrane {
@@ -13,55 +14,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int largest_size = 16384;
-
-struct Colour {
-  double r, g, b;
-};
-
-Colour operator*(double s, Colour c) { return {s * c.r, s * c.g, s * c.b}; }
-Colour operator+(Colour a, Colour b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-
-struct Stop {
-  double at;
-  Colour colour;
-};
-
-// Lowland greens over ochre to pale summits; the sea from the shore's light blue to the deep. Quiet, so that the relief
-// speaks.
-constexpr std::array<Stop, 7> land{{{0.00, {0.52, 0.66, 0.51}},
-                                    {0.12, {0.66, 0.76, 0.57}},
-                                    {0.30, {0.87, 0.86, 0.66}},
-                                    {0.50, {0.86, 0.75, 0.55}},
-                                    {0.70, {0.74, 0.61, 0.48}},
-                                    {0.88, {0.80, 0.75, 0.71}},
-                                    {1.00, {0.97, 0.97, 0.97}}}};
-constexpr std::array<Stop, 4> sea{
-    {{0.00, {0.74, 0.86, 0.93}}, {0.15, {0.60, 0.78, 0.90}}, {0.50, {0.40, 0.62, 0.81}}, {1.00, {0.22, 0.42, 0.65}}}};
-
-template <std::size_t n>
-Colour on_ramp(const std::array<Stop, n>& ramp, double at) {
-  if (!(at > 0)) return ramp.front().colour;
-  for (std::size_t k = 1; k < n; ++k) {
-    if (at >= ramp[k].at) continue;
-    const double t = (at - ramp[k - 1].at) / (ramp[k].at - ramp[k - 1].at);
-    return (1 - t) * ramp[k - 1].colour + t * ramp[k].colour;
-  }
-  return ramp.back().colour;
-}
-
-/// Colours of heights: land from the lowest (or the sea's level) to the highest, sea from 0 down to the lowest.
-class Tint {
- public:
-  Tint(double zmin, double zmax) : zmin_(zmin), zmax_(zmax) {}
-  Colour operator()(double z) const {
-    if (z < 0) return on_ramp(sea, z / zmin_);
-    const double low = std::max(0.0, zmin_);
-    return on_ramp(land, zmax_ > low ? (z - low) / (zmax_ - low) : 0.3);
-  }
-
- private:
-  double zmin_, zmax_;
-};
 
 struct Vector {
   double x, y, z;
@@ -160,13 +112,10 @@ class Painter {
         picture_(picture),
         frame_(frame_of(bounds(tin), options)),
         gradients_(vertex_gradients(tin)),
-        light_(options, exaggeration(gradients_, options)) {
-    double zmin = INFINITY, zmax = -INFINITY;
-    for (const Point& p : tin.vertices) {
-      zmin = std::min(zmin, p.z);
-      zmax = std::max(zmax, p.z);
-    }
-    tint_ = Tint(zmin, zmax);
+        light_(options, exaggeration(gradients_, options)),
+        relief_(options.relief) {
+    const HeightSpan heights = height_span(tin);
+    colours_ = options.colours ? *options.colours : atlas_colours(heights.low, heights.high);
     picture.width = frame_.width;
     picture.height = frame_.height;
     picture.rgba.assign(static_cast<std::size_t>(frame_.width) * frame_.height * 4, 0);
@@ -213,7 +162,7 @@ class Painter {
       g.x += w[k] * gradients_[f[k]].x;
       g.y += w[k] * gradients_[f[k]].y;
     }
-    const Colour c = light_(g.x, g.y) * tint_(z);
+    const Colour c = (relief_ == 0 ? 1 : 1 + relief_ * (light_(g.x, g.y) - 1)) * colours_(z);
     std::uint8_t* to = picture_.rgba.data() + (static_cast<std::size_t>(j) * frame_.width + i) * 4;
     const auto byte = [](double v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0, 1.0) * 255 + 0.5); };
     to[0] = byte(c.r);
@@ -227,10 +176,40 @@ class Painter {
   Frame frame_;
   std::vector<Point2> gradients_;
   Light light_;
-  Tint tint_{0, 0};
+  ColourScale colours_;
+  double relief_;
 };
 
+/// The edges of all faces. Where they lie close together they would hide what is below.
+void draw_wires(const Tin& tin, const ShadeOptions& options, Picture& picture, Context& context) {
+  const Frame frame = frame_of(bounds(tin), options);
+  const auto at = [&](Index v) {
+    const Point& p = tin.vertices[v];
+    return Point2{(p.x - frame.x0) * frame.per_x, (frame.y0 - p.y) * frame.per_y};
+  };
+  std::size_t covered = 0;
+  for (std::size_t k = 3; k < picture.rgba.size(); k += 4) covered += picture.rgba[k] != 0;
+  const double side =
+      std::sqrt(2.3 * static_cast<double>(covered) / static_cast<double>(tin.faces.size()));  // of a face
+  const double width = std::clamp(options.size / 1100.0, 0.7, 3.0), alpha = std::clamp(side / width / 14, 0.1, 0.75);
+  Coverage wires({0, 0, static_cast<double>(frame.width), static_cast<double>(frame.height)}, frame.width,
+                 frame.height);
+  for (std::size_t f = 0; f < tin.faces.size(); ++f) {
+    if (f % 10000 == 0) context.progress("wireframe", static_cast<double>(f) / tin.faces.size());
+    for (int k = 0; k < 3; ++k) wires.add(at(tin.faces[f][k]), at(tin.faces[f][(k + 1) % 3]), width / 2);
+  }
+  Canvas canvas(picture);
+  wires.paint(canvas, {0.1, 0.1, 0.12}, alpha);
+}
+
 }  // namespace
+
+HeightSpan height_span(const Tin& tin) {
+  if (tin.vertices.empty()) return {};
+  HeightSpan span{INFINITY, -INFINITY};
+  for (const Point& p : tin.vertices) span = {std::min(span.low, p.z), std::max(span.high, p.z)};
+  return span;
+}
 
 Picture hillshade(const Tin& tin, const ShadeOptions& options, Context& context) {
   if (options.size < 1 || options.size > largest_size) {
@@ -245,6 +224,7 @@ Picture hillshade(const Tin& tin, const ShadeOptions& options, Context& context)
     if (f % 10000 == 0) context.progress("shade", static_cast<double>(f) / tin.faces.size());
     painter.paint(tin.faces[f]);
   }
+  if (options.wireframe) draw_wires(tin, options, picture, context);
   return picture;
 }
 

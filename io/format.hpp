@@ -73,9 +73,10 @@ const Format* format_of_bytes(std::string_view head);
 std::string written(const Format& format, const Tin& tin, const Crs& crs, const WriteOptions& options,
                     Context& context);
 
-/// A raster as "tif" (GeoTIFF) or "asc" (ESRI ASCII grid, which has no CRS). Voids are -9999. The same bytes for the same
-/// value.
-std::string write_raster(const Raster& raster, const Crs& crs, std::string_view word);
+/// A raster as the bytes of a GeoTIFF ("tif") or an Esri ASCII grid ("asc"), heights as doubles, voids as the NoData
+/// value -9999. The GeoTIFF has cells (pixel is area), blocks of 256 x 256, DEFLATE, and its CRS inside with the vertical
+/// part; an ASCII grid holds none. The same bytes for the same values. Warns where the file cannot hold the CRS.
+std::string write_raster(const Raster& raster, const Crs& crs, std::string_view word, Context& context);
 
 /// A picture as PNG bytes.
 std::string write_png(const Picture& picture);

@@ -70,6 +70,11 @@ AreaScale grid_area_scale(const Crs& crs);
 /// Mean combined (area) scale factor sqrt(grid area / ellipsoidal area) at a place; 1 for geographic and local.
 double scale_factor(const Crs& crs, Point2 at);
 
+/// How long the straight line from a to b is, in the CRS's length unit. Where coordinates are degrees: a line straight in
+/// degrees, its length on the ellipsoid in metres, to 1e-10 of it, the same in one piece and in several. Throws
+/// Error{input, "outside-crs"} for a latitude beyond 90.
+double line_length(const Crs& crs, Point2 a, Point2 b);
+
 /// A CRS that would suit tiles in these boxes and CRSs: a UTM zone, or a Lambert azimuthal equal-area around them.
 Crs suggest_crs(const std::vector<Box>& boxes, const std::vector<Crs>& crs);
 

@@ -159,8 +159,9 @@ std::string extension_of(const std::string& word) {
 }
 
 /// What is no TIN, in the format that was chosen.
-std::string encoded(const Outcome& outcome, const nlohmann::json& report, const std::string& word, const Crs& crs) {
-  if (const auto* raster = std::get_if<Raster>(&outcome.result)) return write_raster(*raster, crs, word);
+std::string encoded(const Outcome& outcome, const nlohmann::json& report, const std::string& word, const Crs& crs,
+                    Context& context) {
+  if (const auto* raster = std::get_if<Raster>(&outcome.result)) return write_raster(*raster, crs, word, context);
   if (const auto* picture = std::get_if<Picture>(&outcome.result)) return write_png(*picture);
   if (const auto* vectors = std::get_if<Vectors>(&outcome.result)) return write_vectors(*vectors, word);
   if (word == "csv") return outcome.csv;
@@ -249,7 +250,7 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
     for (Vectors* vectors : {std::get_if<Vectors>(&outcome.result), &outcome.vectors})
       if (vectors) vectors->crs = frame.crs;
     context.progress("write", 0);
-    response.body = encoded(outcome, response.report, plan.output_format, frame.crs);
+    response.body = encoded(outcome, response.report, plan.output_format, frame.crs, context);
   }
   if (body.sink && !response.body.empty()) body.sink(std::exchange(response.body, {}));
   response.warnings = context.warnings;
