@@ -27,25 +27,25 @@ std::optional<std::vector<double>> numbers(std::string_view text, char mark) {
   }
 }
 
-/// "x,y;x,y", "x,y,z;x,y,z", or "x,y,x,y".
+/// "x,y;x,y", "x,y,z;x,y,z" (lines end like semicolons do), or "x,y,x,y".
 std::optional<Line> coordinates(std::string_view text) {
-  text = trimmed(text);
-  while (!text.empty() && text.back() == ';') text = trimmed(text.substr(0, text.size() - 1));
   Line line;
   if (text.find(';') == std::string_view::npos) {
     const auto values = numbers(text, ',');
-    if (!values || values->size() % 2 != 0) return {};
-    for (std::size_t i = 0; i < values->size(); i += 2) line.push_back({(*values)[i], (*values)[i + 1], NAN});
-    return line;
+    const bool pairs = values && values->size() % 2 == 0;
+    for (std::size_t i = 0; pairs && i < values->size(); i += 2) line.push_back({(*values)[i], (*values)[i + 1], NAN});
+    if (values) return pairs ? std::optional(line) : std::nullopt;
   }
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find(';'), text.size());
-    const auto values = numbers(text.substr(0, end), ',');
+    const std::size_t end = std::min(text.find_first_of(";\n"), text.size());
+    const std::string_view point = trimmed(text.substr(0, end));
+    text = text.substr(std::min(end + 1, text.size()));
+    if (point.empty() && (text.empty() || !line.empty())) continue;
+    const auto values = numbers(point, ',');
     if (!values || values->size() < 2 || values->size() > 3) return {};
     line.push_back({(*values)[0], (*values)[1], values->size() == 3 ? (*values)[2] : NAN});
-    text = text.substr(std::min(end + 1, text.size()));
   }
-  return line;
+  return line.empty() ? std::nullopt : std::optional(std::move(line));
 }
 
 bool starts_with_word(std::string_view text, std::string_view word) {

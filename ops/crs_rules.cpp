@@ -154,7 +154,28 @@ Crs crs_of_nothing(const Plan& plan) {
   return rules.empty() ? Crs() : Crs::parse(rules.front().crs);
 }
 
+/// The CRS of the result where a lattice settles it, else what target-crs says.
+std::string target_of(const std::vector<Surface>& surfaces, const Plan& plan) {
+  const std::string asked = text_parameter(plan, "target-crs");
+  for (const Surface& s : surfaces) {
+    if (!is_lattice(s, *plan.operation) || !s.crs.known()) continue;
+    if (!asked.empty() && !Crs::parse(asked).same_plan(s.crs))
+      throw Error(ErrorKind::usage, "bad-parameter",
+                  "the cells of '" + s.name + "' are in " + shown(s.crs) + ", so the result cannot be in " + asked +
+                      "; leave target-crs out, or '" + s.slot + "'");
+    const bool same = std::all_of(surfaces.begin(), surfaces.end(),
+                                  [&](const Surface& other) { return !other.crs.known() || other.crs.same_plan(s.crs); });
+    if (asked.empty() && !same) return s.crs.id();
+  }
+  return asked;
+}
+
 }  // namespace
+
+bool is_lattice(const Surface& surface, const Operation& operation) {
+  return std::any_of(operation.inputs.begin(), operation.inputs.end(),
+                     [&](const InputSlot& slot) { return slot.lattice && slot.name == surface.slot; });
+}
 
 Box box_of(const Surface& surface) {
   if (const Tin* tin = std::get_if<Tin>(&surface.value)) return bounds(*tin);
@@ -182,8 +203,10 @@ Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& 
   if (surfaces.empty()) return crs_of_nothing(plan);
   std::vector<const Surface*> known, unknown;
   for (const Surface& s : surfaces)
-    if (!s.level()) (s.crs.known() ? known : unknown).push_back(&s);
-  const std::string target = text_parameter(plan, "target-crs");
+    if (!s.level() && !is_lattice(s, *plan.operation)) (s.crs.known() ? known : unknown).push_back(&s);
+  for (const Surface& s : surfaces)
+    if (known.empty() && is_lattice(s, *plan.operation) && s.crs.known()) known.push_back(&s);
+  const std::string target = target_of(surfaces, plan);
 
   if (known.empty()) {
     if (!target.empty())

@@ -78,7 +78,11 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Operation& op
   }
   Dataset data = read_part(part, {.name = surface.name}, surface.sha256, context);
   surface.crs = data.crs;
+  if (slot.lattice && !std::holds_alternative<Raster>(data.surface))
+    throw Error(ErrorKind::input, "not-a-raster",
+                "input '" + surface.name + "' is a TIN; '" + slot.name + "' takes a raster, whose cells are copied");
   if (Raster* dem = std::get_if<Raster>(&data.surface)) {
+    if (slot.lattice) dem->samples = {};
     if (operation.result == ResultKind::report) surface.source = raster_facts(*dem);
     surface.value = std::move(*dem);
   } else {
@@ -167,7 +171,10 @@ std::string encoded(const Outcome& outcome, const nlohmann::json& report, const 
   if (word == "csv") return outcome.csv;
   if (word == "png") return write_png(outcome.picture());
   if (word == "json") return report.dump(2) + "\n";
-  return write_vectors(outcome.vectors, word);
+  if (!outcome.features) return write_vectors(outcome.vectors, word);
+  Vectors made = outcome.features();
+  made.crs = crs;
+  return write_vectors(made, word);
 }
 
 /// Rasters that were joined have no seam between them; the seam report says so.

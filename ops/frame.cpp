@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/error.hpp"
@@ -196,6 +197,19 @@ double bring_all(std::vector<Surface>& surfaces, const Crs& crs, const Plan& pla
 
 }  // namespace
 
+namespace {
+
+/// Lattices are no surfaces: they stand aside while these are brought together.
+std::vector<Surface> take_lattices(std::vector<Surface>& surfaces, const Operation& operation) {
+  const auto first = std::stable_partition(surfaces.begin(), surfaces.end(),
+                                           [&](const Surface& s) { return !is_lattice(s, operation); });
+  std::vector<Surface> lattices(std::make_move_iterator(first), std::make_move_iterator(surfaces.end()));
+  surfaces.erase(first, surfaces.end());
+  return lattices;
+}
+
+}  // namespace
+
 Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& context) {
   const Operation& operation = *plan.operation;
   assign_crs(surfaces, plan);
@@ -217,6 +231,7 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
           ErrorKind::input, "not-a-raster",
           "input '" + s.name + "' is a TIN already; '" + operation.id + "' takes a raster (use 'convert' for TINs)");
   }
+  std::vector<Surface> lattices = take_lattices(surfaces, operation);
   if (operation.intake.check) unwrap(surfaces);
   if (operation.intake.join_rasters)
     join_rasters(surfaces, plan.parameters.value("overlap", "") != "sum", frame.inputs);
@@ -241,9 +256,10 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
     warn_half_known_datum(surfaces, context);
     warn_distorted(surfaces, frame.crs, context);
   }
+  for (Surface& s : lattices) surfaces.push_back(std::move(s));
   for (Surface& s : surfaces) s.crs = frame.crs;
   if (!from.empty()) {
-    if (operation.intake.check) unwrap(surfaces);
+    if (operation.intake.check && lattices.empty()) unwrap(surfaces);
     frame.reprojection = {{"from", from}, {"to", frame.crs.id()}, {"planarity_error", planarity_error}};
   }
   return frame;

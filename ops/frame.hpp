@@ -45,6 +45,9 @@ std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const Crs& fra
 
 Box box_of(const Surface& surface);
 
+/// A raster of which only the cells are asked for (InputSlot::lattice).
+bool is_lattice(const Surface& surface, const Operation& operation);
+
 /// A raster as a TIN in the frame's CRS.
 struct DemTin {
   Tin tin;

@@ -45,12 +45,13 @@ struct InputSlot {
   bool takes_number = false;  // a level may stand in for a surface
   std::string sentence = {};
   std::string word = {};  // that may stand in for a surface: "boundary"
+  bool lattice = false;  // a raster whose cells alone are of interest, and whose CRS is the result's; it stays one
 };
 
 /// A decoded input in the common frame, as an operation's run sees it.
 struct Surface {
   std::string slot, name, sha256;
-  std::variant<Tin, Raster, double> value;  // in `run` never a Raster: the frame has triangulated it
+  std::variant<Tin, Raster, double> value;  // in `run` a Raster only for a lattice: the frame has triangulated it
   Crs crs;
   nlohmann::json source = nullptr;  // what a raster was before it was triangulated, for `info`; null for a TIN
   double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS

@@ -37,6 +37,7 @@ struct Outcome {
   // What a report can be besides, where the operation has it.
   std::string csv;
   Vectors vectors;
+  std::function<Vectors()> features;  // made when they are asked for; else `vectors`
   std::function<Picture()> picture;
   std::optional<RoundingReport> rounding;
   HeightFold expected_height;  // null: nothing to check heights against
