@@ -17,21 +17,40 @@
 namespace terrane {
 namespace {
 
-/// Which input of the operation each word is. Surplus words are an error; missing ones are the plan's to complain
-/// about.
-std::vector<InputPart> assign_inputs(const Operation& operation, const std::vector<std::string>& words) {
+/// Inputs that a flag names, as --like does; they leave the parameters.
+std::vector<InputPart> take_named_inputs(const Operation& operation,
+                                         std::vector<std::pair<std::string, std::string>>& parameters) {
   std::vector<InputPart> parts;
+  std::erase_if(parameters, [&](const std::pair<std::string, std::string>& given) {
+    const bool named = std::any_of(operation.inputs.begin(), operation.inputs.end(),
+                                   [&](const InputSlot& slot) { return slot.name == given.first; });
+    if (named) parts.push_back({given.first, given.second, "", ""});
+    return named;
+  });
+  return parts;
+}
+
+/// Which input of the operation each word is, those apart that a flag names. Surplus words are an error; missing ones
+/// are the plan's to complain about.
+std::vector<InputPart> assign_inputs(const Operation& operation, const std::vector<std::string>& words,
+                                     const std::vector<InputPart>& named) {
+  std::vector<InputPart> parts;
+  const auto used_up = [&](const InputSlot& slot) {
+    const auto of_slot = [&](const InputPart& part) { return part.slot == slot.name; };
+    return slot.max_occurs > 0 &&
+           std::count_if(named.begin(), named.end(), of_slot) + std::count_if(parts.begin(), parts.end(), of_slot) >=
+               slot.max_occurs;
+  };
   auto slot = operation.inputs.begin();
-  int used = 0;
   for (const std::string& word : words) {
-    while (slot != operation.inputs.end() && slot->max_occurs > 0 && used >= slot->max_occurs) ++slot, used = 0;
+    while (slot != operation.inputs.end() && used_up(*slot)) ++slot;
     if (slot == operation.inputs.end())
-      throw Error(
-          ErrorKind::usage, "surplus-input",
-          "'" + operation.id + "' takes no input after '" + words[parts.size() - 1] + "', but '" + word + "' follows");
-    ++used;
+      throw Error(ErrorKind::usage, "surplus-input",
+                  "'" + operation.id + "' takes no input " +
+                      (parts.empty() ? "" : "after '" + parts.back().name + "'") + ", but '" + word + "' follows");
     parts.push_back({slot->name, word, "", ""});
   }
+  parts.insert(parts.end(), named.begin(), named.end());
   return parts;
 }
 
@@ -89,7 +108,7 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   request.parameters = line.parameters;
   request.format = line.format;
   if (line.output != "-") request.output_name = line.output.empty() ? "" : file_name(line.output);
-  request.inputs = assign_inputs(operation, line.inputs);
+  request.inputs = assign_inputs(operation, line.inputs, take_named_inputs(operation, request.parameters));
   refuse_existing(line.output, line.force);
   refuse_existing(line.report, line.force);
   read_inputs(operation, request.inputs);
