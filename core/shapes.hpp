@@ -18,4 +18,9 @@ struct Polygon {
   std::vector<Line> holes;
 };
 
+/// Points that are to become a surface.
+struct PointCloud {
+  std::vector<Point> points;
+};
+
 }  // namespace terrane

@@ -11,6 +11,7 @@
 #include "core/context.hpp"
 #include "core/raster.hpp"
 #include "core/shade.hpp"
+#include "core/shapes.hpp"
 #include "core/tin.hpp"
 #include "io/geodesy.hpp"
 #include "io/source.hpp"
@@ -18,9 +19,9 @@
 // What a format is. The list of all formats is io/formats.cpp; adding one is one file and one line there.
 namespace terrane {
 
-/// What an input holds once decoded: a TIN or a raster, and the CRS its bytes declare (none when they do not).
+/// What an input holds once decoded, and the CRS its bytes declare (none when they do not).
 struct Dataset {
-  std::variant<Tin, Raster> surface;
+  std::variant<Tin, Raster, PointCloud> surface;
   Crs crs;
 };
 
@@ -28,6 +29,8 @@ struct ReadOptions {
   std::string name;                          // for messages: "t3.tif"
   std::size_t max_vertices = 200'000'000;    // checked before memory is taken
   std::size_t max_samples = 400'000'000;
+  std::string columns = {};      // of point tables: "PNEZD"; empty: by their first line, else x, y, z
+  std::vector<int> classes = {}; // of LAS points; empty: all
 };
 
 struct WriteOptions {

@@ -12,5 +12,7 @@ Format ply_format();
 Format geotiff_format();
 Format hgt_format();
 Format ascii_grid_format();
+Format las_format();
+Format point_table_format();
 
 }  // namespace terrane

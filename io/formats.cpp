@@ -6,7 +6,8 @@ namespace terrane {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> list = {obj_format(),     json_format(), ply_format(),
-                                           geotiff_format(), hgt_format(),  ascii_grid_format()};
+                                           geotiff_format(), hgt_format(),  ascii_grid_format(),
+                                           las_format(),     point_table_format()};
   return list;
 }
 

@@ -183,6 +183,7 @@ Box box_of(const Surface& surface) {
     const Point2 first = dem->place(0, 0), last = dem->place(dem->width - 1, dem->height - 1);
     return {first.x, last.y, last.x, first.y};
   }
+  if (const PointCloud* cloud = std::get_if<PointCloud>(&surface.value)) return bounds(Tin{cloud->points, {}});
   return bounds(Tin{});
 }
 

@@ -63,8 +63,18 @@ Dataset read_part(const InputPart& part, const ReadOptions& options, std::string
   return data;
 }
 
+/// What an operation says of how its inputs are read.
+ReadOptions read_options(const std::string& name, const nlohmann::json& parameters) {
+  ReadOptions options{.name = name};
+  options.columns = parameters.value("columns", "");
+  if (const auto classes = parameters.find("classes"); classes != parameters.end())
+    for (const double code : classes->get<std::vector<double>>()) options.classes.push_back(static_cast<int>(code));
+  return options;
+}
+
 /// Errors of readers and of validation name the input by its label; a memory limit does too.
-Surface decode(const InputPart& part, const InputSlot& slot, const Operation& operation, Context& context) {
+Surface decode(const InputPart& part, const InputSlot& slot, const Plan& plan, Context& context) {
+  const Operation& operation = *plan.operation;
   Surface surface{part.slot, label(part), "", 0.0, {}, nullptr, 0};
   if (is_word(part, slot)) {
     surface.word = slot.word;
@@ -76,7 +86,7 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Operation& op
     surface.level_unit = level->unit;
     return surface;
   }
-  Dataset data = read_part(part, {.name = surface.name}, surface.sha256, context);
+  Dataset data = read_part(part, read_options(surface.name, plan.parameters), surface.sha256, context);
   surface.crs = data.crs;
   if (slot.lattice && !std::holds_alternative<Raster>(data.surface))
     throw Error(ErrorKind::input, "not-a-raster",
@@ -85,6 +95,12 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Operation& op
     if (slot.lattice) dem->samples = {};
     if (operation.result == ResultKind::report) surface.source = raster_facts(*dem);
     surface.value = std::move(*dem);
+  } else if (PointCloud* cloud = std::get_if<PointCloud>(&data.surface)) {
+    if (!operation.intake.points_allowed)
+      throw Error(ErrorKind::input, "no-surface",
+                  "input '" + surface.name + "' holds points, and '" + operation.id +
+                      "' takes surfaces; make one of them with 'triangulate'");
+    surface.value = std::move(*cloud);
   } else {
     surface.value = std::move(std::get<Tin>(data.surface));
   }
@@ -103,7 +119,7 @@ std::vector<Surface> decode_all(const Plan& plan, Context& context) {
   side_by_side(sizes, context, [&](std::size_t i, Context& own) {
     const auto slot = std::find_if(operation.inputs.begin(), operation.inputs.end(),
                                    [&](const InputSlot& s) { return s.name == parts[i].slot; });
-    surfaces[i] = decode(parts[i], *slot, operation, own);
+    surfaces[i] = decode(parts[i], *slot, plan, own);
   });
   return surfaces;
 }
@@ -121,7 +137,7 @@ void refuse_unsound(const Inspection& seen, const std::string& operation) {
 std::vector<const Tin*> tins_of(const std::vector<Surface>& surfaces) {
   std::vector<const Tin*> tins;
   for (const Surface& s : surfaces)
-    if (!s.level()) tins.push_back(&s.tin());
+    if (!s.level() && !s.points()) tins.push_back(&s.tin());
   return tins;
 }
 

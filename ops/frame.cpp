@@ -49,6 +49,8 @@ void unwrap(std::vector<Surface>& surfaces) {
     if (shifts[i] == 0) continue;
     if (Tin* tin = std::get_if<Tin>(&tiles[i]->value))
       for (Point& p : tin->vertices) p.x += shifts[i];
+    else if (PointCloud* cloud = std::get_if<PointCloud>(&tiles[i]->value))
+      for (Point& p : cloud->points) p.x += shifts[i];
     else
       std::get<Raster>(tiles[i]->value).x0 += shifts[i];
   }
@@ -99,7 +101,7 @@ void join_rasters(std::vector<Surface>& surfaces, bool join_overlaps, std::vecto
 }
 
 void refuse_empty(const Surface& s, const Operation& operation) {
-  if (s.level() || !s.tin().faces.empty() || operation.intake.empty_allowed) return;
+  if (s.level() || s.points() || !s.tin().faces.empty() || operation.intake.empty_allowed) return;
   throw Error(ErrorKind::input, "empty-surface",
               "input '" + s.name + "' has no faces, and '" + operation.id + "' needs a surface");
 }
@@ -159,6 +161,10 @@ double bring(Surface& s, const Crs& crs, const Plan& plan, Context& context) {
     s.value = std::move(made.tin);
     return made.planarity_error;
   }
+  if (PointCloud* cloud = std::get_if<PointCloud>(&s.value)) {
+    if (differs(s.crs, crs)) move_points(cloud->points, s.crs, crs);
+    return 0;
+  }
   double planarity_error = 0;
   Tin tin = std::move(std::get<Tin>(s.value));
   if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
@@ -186,6 +192,7 @@ double bring_all(std::vector<Surface>& surfaces, const Crs& crs, const Plan& pla
     if (s.level()) return;
     errors[i] = bring(s, crs, plan, own);
     refuse_empty(s, *plan.operation);
+    if (s.points()) return;
     areas[i] = domain_area(s.tin(), crs, own);
   };
   if (rasters)
@@ -226,10 +233,11 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
     record.word = s.word;
     if (s.level() && s.word.empty()) record.level = std::get<double>(s.value);
     frame.inputs.push_back(std::move(record));
-    if (operation.intake.raster_only && !std::holds_alternative<Raster>(s.value))
+    if (operation.intake.raster_only && std::holds_alternative<Tin>(s.value))
       throw Error(
           ErrorKind::input, "not-a-raster",
-          "input '" + s.name + "' is a TIN already; '" + operation.id + "' takes a raster (use 'convert' for TINs)");
+          "input '" + s.name + "' is a TIN already; '" + operation.id +
+              "' takes a raster or points (use 'convert' for TINs)");
   }
   std::vector<Surface> lattices = take_lattices(surfaces, operation);
   if (operation.intake.check) unwrap(surfaces);
@@ -247,6 +255,10 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
     if (s.level()) continue;
     for (InputRecord& record : frame.inputs)
       if (record.joined.empty() && record.name == s.name && record.slot == s.slot && record.sha256 == s.sha256) {
+        if (s.points()) {
+          record.vertices = std::get<PointCloud>(s.value).points.size();
+          continue;
+        }
         record.vertices = s.tin().vertices.size();
         record.faces = s.tin().faces.size();
         record.area_2d = areas[i];

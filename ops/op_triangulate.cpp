@@ -1,24 +1,97 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/triangulate_points.hpp"
 #include "ops/inputs.hpp"
+#include "ops/measure.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
 
 namespace terrane {
 namespace {
 
+enum class Duplicates { refuse, mean };
+
 struct TriangulateParameters {
   std::optional<long> max_triangles;
+  std::optional<Vectors> breaklines, boundary;
+  std::string breaklines_crs, boundary_crs, columns;
+  Length max_edge;
+  Duplicates duplicates = Duplicates::refuse;
+  std::vector<double> classes = {2};
 
   void visit(Fields& f) {
     f.integer("max-triangles", max_triangles, {.minimum = 2, .maximum = 1e9},
               "Stop at about that many faces, even if max-error is not reached; the error reached is reported.");
+    f.vectors(
+        "breaklines", breaklines,
+        "With points: lines whose every segment becomes an edge, or a row of edges. Their corners have heights, or "
+        "lie on points.");
+    f.crs("breaklines-crs", breaklines_crs, "The CRS of the breaklines, where they do not say it.");
+    f.vectors("boundary", boundary, "With points: polygons outside of which no surface is made.");
+    f.crs("boundary-crs", boundary_crs, "The CRS of the boundary, where it does not say it.");
+    f.length("max-edge", max_edge, {.minimum = 0},
+             "With points: faces with a longer edge are taken away from the border inwards; 0 keeps all.");
+    f.choice("duplicates", duplicates, {{"refuse", Duplicates::refuse}, {"mean", Duplicates::mean}},
+             "With points: what becomes of heights that differ at one place, or where breaklines cross: refused by "
+             "name, or replaced by their mean.");
+    f.numbers("classes", classes, "Of LAS points the classes that are taken; 2 is ground.");
+    f.text("columns", columns,
+           "Of point tables the columns, a letter each: XYZ, ENZ, PNEZD (P a name, N the northing, E the easting, D "
+           "words). Left out: what the first line says, else x, y, z.");
   }
 };
 
-/// The common frame has triangulated the raster, within max-error in the result's CRS; nothing is left to do.
-Outcome run(std::vector<Surface>& inputs, const TriangulateParameters&, Context&) {
+void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
+  if (inputs.size() != 1)
+    throw Error(ErrorKind::usage, inputs.empty() ? "missing-input" : "surplus-input",
+                "'triangulate' takes one input, a raster ('dem') or points ('points')");
+  for (const double code : filled<TriangulateParameters>(values).classes)
+    if (code < 0 || code > 255 || code != std::floor(code))
+      throw Error(ErrorKind::usage, "bad-parameter", "parameter 'classes' takes whole numbers from 0 to 255");
+}
+
+void refuse_point_parameters(const TriangulateParameters& p) {
+  if (p.breaklines || p.boundary || p.max_edge.value > 0)
+    throw Error(ErrorKind::usage, "bad-parameter",
+                "breaklines, boundary and max-edge are for points; the input is a raster (clip cuts its TIN)");
+}
+
+Outcome from_points(Surface& surface, const TriangulateParameters& p, Context& context) {
+  const Crs& crs = surface.crs;
+  SurveyOptions options;
+  options.average = p.duplicates == Duplicates::mean;
+  options.max_edge = p.max_edge.in(crs.known() ? crs.metres_per_length_unit() : 1.0);
+  if (crs.known() && crs.geographic()) options.length = [&](Point2 a, Point2 b) { return distance(a, b, crs); };
+  auto& points = std::get<PointCloud>(surface.value).points;
+  const std::size_t given = points.size();
+  Survey survey = triangulate_points(std::move(points), p.breaklines ? p.breaklines->lines() : std::vector<Line>{},
+                                     options, context);
+  const auto warn = [&](const char* code, std::size_t count, const std::string& what) {
+    if (count > 0) context.warn({code, surface.name, "", std::to_string(count) + " " + what, ""});
+  };
+  warn("duplicate-points", survey.duplicates, "points lay at the place of another and were left out");
+  warn("heights-averaged", survey.averaged, "places had different heights, which were replaced by their mean");
+  warn("points-left-out", survey.left_out, "points are in no face that max-edge leaves");
   Outcome outcome;
-  outcome.result = std::move(std::get<Tin>(input(inputs, "dem").value));
+  outcome.certificate["points"] = {{"read", given},
+                                   {"duplicates", survey.duplicates},
+                                   {"averaged", survey.averaged},
+                                   {"breakline_crossings", survey.crossings},
+                                   {"left_out", survey.left_out}};
+  outcome.result = std::move(survey.tin);
+  return outcome;
+}
+
+/// Of a raster the common frame has made a TIN, within max-error in the result's CRS; nothing is left to do.
+Outcome run(std::vector<Surface>& inputs, const TriangulateParameters& p, Context& context) {
+  Surface& surface = inputs.front();
+  if (surface.points()) return from_points(surface, p, context);
+  refuse_point_parameters(p);
+  Outcome outcome;
+  outcome.result = std::move(std::get<Tin>(surface.value));
   return outcome;
 }
 
@@ -27,12 +100,13 @@ Outcome run(std::vector<Surface>& inputs, const TriangulateParameters&, Context&
 Operation triangulate_operation() {
   return operation<TriangulateParameters>(
       {.id = "triangulate",
-       .title = "Triangulate a raster",
-       .description =
-           "A TIN that is nowhere further (vertically) than max-error from the samples of a DEM; voids become "
-           "holes.",
-       .inputs = {{"dem", 1, 1, false, "The raster: GeoTIFF, HGT or ASCII grid."}},
-       .intake = {.raster_only = true}},
+       .title = "Triangulate a raster or points",
+       .description = "Of a raster a TIN that is nowhere further (vertically) than max-error from its samples; voids "
+                      "become holes. Of points their Delaunay triangulation, in which breaklines are edges.",
+       .inputs = {{"dem", 0, 1, false, "The raster: GeoTIFF, HGT or ASCII grid; or points."},
+                  {"points", 0, 1, false, "The points: a table (XYZ, CSV), or LAS."}},
+       .intake = {.raster_only = true, .points_allowed = true},
+       .check = check},
       run);
 }
 

@@ -51,7 +51,8 @@ struct InputSlot {
 /// A decoded input in the common frame, as an operation's run sees it.
 struct Surface {
   std::string slot, name, sha256;
-  std::variant<Tin, Raster, double> value;  // in `run` a Raster only for a lattice: the frame has triangulated it
+  /// In `run` a Raster only for a lattice, and points only where the operation takes them.
+  std::variant<Tin, Raster, double, PointCloud> value;
   Crs crs;
   nlohmann::json source = nullptr;  // what a raster was before it was triangulated, for `info`; null for a TIN
   double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS
@@ -59,6 +60,7 @@ struct Surface {
   std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }
+  bool points() const { return std::holds_alternative<PointCloud>(value); }
   const Tin& tin() const { return std::get<Tin>(value); }
 };
 
@@ -78,7 +80,8 @@ struct Intake {
   bool check = true;  // mended and refused as the contract says; false: taken as it is (info, validate, convert)
   bool join_rasters = false;  // rasters on one lattice are joined before they are triangulated
   bool empty_allowed = false;
-  bool raster_only = false;
+  bool raster_only = false;  // no TIN, which is one already
+  bool points_allowed = false;
 };
 
 struct Operation {

@@ -248,7 +248,8 @@ void Fields::crs(const char* name, std::string& field, const char* sentence) {
 
 void Fields::numbers(const char* name, std::vector<double>& field, const char* sentence) {
   if (described_)
-    describe({name, Parameter::Type::numbers, nullptr, {}, {}, {}, "", sentence});
+    describe({name, Parameter::Type::numbers, field.empty() ? nlohmann::json() : nlohmann::json(field), {}, {}, {}, "",
+              sentence});
   else if (const auto* value = find(name))
     field = value->get<std::vector<double>>();
 }

@@ -36,6 +36,12 @@ void check_raster(const Raster& raster) {
   for (double z : raster.samples) require(!std::isinf(z), "no infinite height");
 }
 
+void check_points(const PointCloud& cloud) {
+  require(!cloud.points.empty(), "some points");
+  for (const Point& p : cloud.points)
+    require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), "finite coordinates");
+}
+
 /// What reading ends in: a value, or what an Error says.
 struct Ending {
   Dataset dataset;
@@ -82,6 +88,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!whole.complaint.empty()) return 0;
   if (const Tin* tin = std::get_if<Tin>(&whole.dataset.surface))
     check_tin(*tin, whole.dataset.crs, format);
+  else if (const PointCloud* cloud = std::get_if<PointCloud>(&whole.dataset.surface))
+    check_points(*cloud);
   else
     check_raster(std::get<Raster>(whole.dataset.surface));
   return 0;
