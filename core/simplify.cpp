@@ -77,38 +77,86 @@ class Simplifier {
         left_(tin.faces.size()) {
     double largest = 0;
     for (const Point& p : tin.vertices) largest = std::max(largest, std::fabs(p.z));
-    limit_ = std::max(0.0, options.max_error - 0x1p-48 * largest);  // heights on faces are good to less
+    // Errors are measured to a few ulp of the heights; what a lattice of whole metres puts right on the bound is within.
+    rounding_ = 0x1p-48 * largest;
+    limit_ = options.max_error + rounding_;
+    widest_ = 4 * largest + 1;
   }
 
   Simplified run() {
     measure_all();
+    if (options_.max_triangles != 0)
+      raise_limit();
+    else
+      take_all();
+    const double error = measured();
+    return {result(), error <= limit_ && error > options_.max_error ? options_.max_error : error};
+  }
+
+ private:
+  bool enough() const { return options_.max_triangles != 0 && left_ <= options_.max_triangles; }
+
+  /// Removes whatever may go within the limit, cheapest first.
+  void take_all() {
     StarPatch patch(deviation_);
-    std::vector<Index> around;
-    std::size_t steps = 0, removed = 0;
-    for (Index v = queue_.pop(); v != none && !enough(); v = queue_.pop()) {
-      if (++steps % 4096 == 0) context_.progress("simplify", progress(removed));
+    for (Index v = enough() ? none : queue_.pop(); v != none; v = enough() ? none : queue_.pop()) {
+      if (++steps_ % 4096 == 0) context_.progress("simplify", progress());
       if (std::exchange(outdated_[v], 0)) {
         measure(v, patch);
         if (error_[v] <= limit_) queue_.set(v, error_[v]);
         continue;
       }
       if (!remove(v, patch)) continue;
-      ++removed;
-      worst_ = std::max(worst_, error_[v]);
+      ++removed_;
       for (const Index w : patch.ring) {
         if (stays_[w]) continue;
         outdated_[w] = 1;
         if (!queue_.waits(w)) queue_.set(w, std::min(error_[w], limit_));
       }
     }
-    return {result(), worst_};
   }
 
- private:
-  bool enough() const { return options_.max_triangles != 0 && left_ <= options_.max_triangles; }
+  /// A limit makes holes be filled as well as they can be, which no order of removals makes up for. So where a number of
+  /// faces is asked for the limit is raised until they are reached.
+  void raise_limit() {
+    std::vector<double> errors;
+    for (std::size_t v = 0; v < error_.size(); ++v)
+      if (!stays_[v] && error_[v] > 0 && error_[v] < INFINITY) errors.push_back(error_[v]);
+    const double most = limit_;
+    if (!errors.empty()) {
+      std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+      limit_ = std::min(most, errors[errors.size() / 2]);
+    }
+    for (;;) {
+      take_all();
+      if (enough() || limit_ >= most) return;
+      limit_ = std::min(most, limit_ < widest_ ? 1.5 * limit_ : INFINITY);
+      for (std::size_t v = 0; v < error_.size(); ++v) {
+        if (stays_[v] || mesh_.out[v] == none) continue;
+        outdated_[v] = 1;
+        queue_.set(static_cast<Index>(v), std::min(error_[v], limit_));
+      }
+    }
+  }
 
-  double progress(std::size_t removed) const {
-    return 0.2 + 0.8 * static_cast<double>(removed) / static_cast<double>(tin_.vertices.size());
+  /// How far the mesh as it is now is from the surface.
+  double measured() const {
+    double largest = 0;
+    const auto count = static_cast<Index>(mesh_.mate.size());
+    for (Index h = 0; h < count; ++h) {
+      const Index f = h / 3, v = mesh_.faces[f][0];
+      if (v == none) continue;
+      if (mesh_.mate[h] < h)
+        largest = std::max(largest, deviation_.along(mesh_.from(h), mesh_.to(h), INFINITY));
+      if (h % 3 == 0)
+        for (Index p = first_covered_[f]; p != none; p = next_covered_[p])
+          largest = std::max(largest, deviation_.at(p, v, mesh_.faces[f][1], mesh_.faces[f][2]));
+    }
+    return largest;
+  }
+
+  double progress() const {
+    return 0.2 + 0.8 * static_cast<double>(removed_) / static_cast<double>(tin_.vertices.size());
   }
 
   std::vector<std::uint8_t> vertices_that_stay() const {
@@ -267,7 +315,8 @@ class Simplifier {
   std::vector<double> error_;  // of the removal, when it was last measured
   RemovalQueue queue_;
   std::size_t left_;
-  double limit_ = 0, worst_ = 0;
+  double limit_ = 0, rounding_ = 0, widest_ = 0;
+  std::size_t steps_ = 0, removed_ = 0;
   std::vector<Index> outer_, slots_;
   std::vector<std::uint8_t> lost_;
   std::vector<InnerEdge> edges_;
