@@ -8,8 +8,7 @@
 namespace terrane {
 namespace {
 
-/// Leaves out walls and takes partners that are partners in plan alone for none.
-void copy_faces(const Tin& tin, const PlanTopology& topology, HalfEdges& mesh) {
+void copy_faces(const Tin& tin, const PlanTopology& topology, bool across_jumps, HalfEdges& mesh) {
   std::vector<Index> number(tin.faces.size(), none);
   for (std::size_t f = 0; f < tin.faces.size(); ++f) {
     if (topology.turn[f] != Turn::left) continue;
@@ -22,7 +21,8 @@ void copy_faces(const Tin& tin, const PlanTopology& topology, HalfEdges& mesh) {
     for (Index k = 0; k < 3; ++k) {
       const Index h = 3 * static_cast<Index>(f) + k, m = topology.mate[h];
       if (m < 0 || topology.turn[m / 3] != Turn::left) continue;
-      if (topology.from(tin, h) == topology.to(tin, m) && topology.to(tin, h) == topology.from(tin, m))
+      const bool joined = topology.from(tin, h) == topology.to(tin, m) && topology.to(tin, h) == topology.from(tin, m);
+      if (joined || across_jumps)
         mesh.mate[3 * number[f] + k] = 3 * number[m / 3] + m % 3;
     }
   }
@@ -30,9 +30,9 @@ void copy_faces(const Tin& tin, const PlanTopology& topology, HalfEdges& mesh) {
 
 }  // namespace
 
-HalfEdges half_edges(const Tin& tin, const Context& context) {
+HalfEdges half_edges(const Tin& tin, const Context& context, bool across_jumps) {
   HalfEdges mesh;
-  copy_faces(tin, plan_topology(tin, context), mesh);
+  copy_faces(tin, plan_topology(tin, context), across_jumps, mesh);
   mesh.out.assign(tin.vertices.size(), none);
   const auto count = static_cast<Index>(mesh.mate.size());
   for (Index h = 0; h < count; ++h)

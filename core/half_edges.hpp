@@ -14,7 +14,7 @@ inline Index next_in_face(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
 inline Index previous_in_face(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
 /// The faces of a valid TIN that have an area in plan, connected where they share both vertices of an edge: the two
-/// sides of a jump are not. Faces keep the order of the TIN, walls left out.
+/// sides of a jump are not. Faces keep the order of the TIN; walls are left out.
 struct HalfEdges {
   Array<Face> faces;
   Array<Index> mate;  // per half-edge: the other one of its edge, or none at a border and at a jump
@@ -32,7 +32,8 @@ struct HalfEdges {
   bool at_border(Index v) const { return out[v] != none && mate[out[v]] == none; }
 };
 
+/// `across_jumps`: the two sides of a jump are mates, too; its half-edges run between vertices at the same two places.
 /// O(n log n); see plan_topology.
-HalfEdges half_edges(const Tin& tin, const Context& context);
+HalfEdges half_edges(const Tin& tin, const Context& context, bool across_jumps = false);
 
 }  // namespace terrane
