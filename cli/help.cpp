@@ -97,7 +97,7 @@ std::string operation_help(const Operation& operation) {
   text += operation.description + "\n\nInputs (- reads standard input):\n";
   for (const InputSlot& slot : operation.inputs) text += entry(upper(slot.name), slot.sentence, 16);
   if (!operation.parameters.empty()) text += "\nParameters:\n" + parameter_entries(operation.parameters);
-  text += "\nParameters of every operation:\n" + parameter_entries(common_parameters());
+  text += "\nParameters of every operation:\n" + parameter_entries(common_parameters_of(operation));
   std::string words;
   for (const std::string& word : operation.output_formats) words += (words.empty() ? "" : ", ") + word;
   text += "\nFlags:\n" +

@@ -14,9 +14,9 @@
 #include "core/triangle_height.hpp"
 
 // At one level every face, edge and end of an edge is high (z >= L) or low. Faces with both, and corners on either side
-// of L, have a piece of contour inside. Edges have one along them where one side is high and the other low: at walls, and
-// where both ends lie at L. Pieces are joined through the edges they cross; at a vertex that lies at L, or the end of a
-// wall, by going around it through higher ground to where that ends.
+// of L, have a piece of contour inside. Edges have one along them where one side is high and the other low: at walls,
+// and where both ends lie at L. Pieces are joined through the edges they cross; at a vertex that lies at L, or the end
+// of a wall, by going around it through higher ground to where that ends.
 namespace terrane {
 namespace {
 
@@ -48,7 +48,7 @@ Lists lists(std::size_t keys, const Each& each) {
 /// The surface as contours see it.
 struct Ground {
   const Tin& tin;
-  HalfEdges mesh;               // mates across jumps
+  HalfEdges mesh;                    // mates across jumps
   std::vector<std::uint8_t> walled;  // per half-edge at a jump: is it closed by a wall? Empty where there are no walls
 
   double z(Index h) const { return tin.vertices[mesh.from(h)].z; }
@@ -179,8 +179,8 @@ class Tracer {
   }
 
   Index piece_of_edge(Index edge, EdgePiece::End from) const {
-    auto it = std::lower_bound(pieces_.begin(), pieces_.end(), edge,
-                               [](const EdgePiece& p, Index e) { return p.edge < e; });
+    auto it =
+        std::lower_bound(pieces_.begin(), pieces_.end(), edge, [](const EdgePiece& p, Index e) { return p.edge < e; });
     for (; it != pieces_.end() && it->edge == edge; ++it)
       if (it->from == from) return static_cast<Index>(faces_.size() + (it - pieces_.begin()));
     return none;
@@ -198,10 +198,14 @@ class Tracer {
     const EdgePiece& p = pieces_[piece - faces_.size()];
     const Index h = p.edge, m = g_.mesh.mate[h];
     switch (p.to) {
-      case EdgePiece::here: return piece_of_face(h / 3);
-      case EdgePiece::across: return piece_of_face(m / 3);
-      case EdgePiece::end: return through(m);
-      default: return through(h);
+      case EdgePiece::here:
+        return piece_of_face(h / 3);
+      case EdgePiece::across:
+        return piece_of_face(m / 3);
+      case EdgePiece::end:
+        return through(m);
+      default:
+        return through(h);
     }
   }
 
@@ -251,10 +255,14 @@ class Tracer {
     }
     const EdgePiece& p = pieces_[piece - faces_.size()];
     switch (last ? p.to : p.from) {
-      case EdgePiece::here: return crossing(p.edge);
-      case EdgePiece::across: return crossing(g_.mesh.mate[p.edge]);
-      case EdgePiece::begin: return vertex(p.edge);
-      default: return vertex(next_in_face(p.edge));
+      case EdgePiece::here:
+        return crossing(p.edge);
+      case EdgePiece::across:
+        return crossing(g_.mesh.mate[p.edge]);
+      case EdgePiece::begin:
+        return vertex(p.edge);
+      default:
+        return vertex(next_in_face(p.edge));
     }
   }
 
@@ -280,8 +288,8 @@ class Tracer {
 
 /// The half-open range of levels that [low, high] holds, or (low, high).
 std::pair<std::size_t, std::size_t> within(std::span<const double> levels, double low, double high, bool ends) {
-  const auto begin = ends ? std::lower_bound(levels.begin(), levels.end(), low)
-                          : std::upper_bound(levels.begin(), levels.end(), low);
+  const auto begin =
+      ends ? std::lower_bound(levels.begin(), levels.end(), low) : std::upper_bound(levels.begin(), levels.end(), low);
   auto end = begin;
   while (end != levels.end() && (*end < high || (ends && *end == high))) ++end;
   return {begin - levels.begin(), end - levels.begin()};
@@ -336,7 +344,8 @@ std::vector<Contour> contours(const Tin& tin, std::span<const double> levels, Co
     }
   });
   std::vector<Contour> all;
-  for (auto& lines : found) all.insert(all.end(), std::make_move_iterator(lines.begin()), std::make_move_iterator(lines.end()));
+  for (auto& lines : found)
+    all.insert(all.end(), std::make_move_iterator(lines.begin()), std::make_move_iterator(lines.end()));
   context.progress("contour", 1);
   return all;
 }

@@ -63,8 +63,10 @@ double Deviation::along(Index p, Index q, double limit) const {
     Index h = way.half_edge;  // seen from the face before it: from the right of the line to its left
     for (at = none; at == none;) {
       const Index a = mesh_.from(h), b = mesh_.to(h);
-      const double of_a = std::fabs(area2_accurate(from, to, place(a))), of_b = std::fabs(area2_accurate(from, to, place(b)));
-      const double of_p = std::fabs(area2_accurate(place(a), place(b), from)), of_q = std::fabs(area2_accurate(place(a), place(b), to));
+      const double of_a = std::fabs(area2_accurate(from, to, place(a))),
+                   of_b = std::fabs(area2_accurate(from, to, place(b)));
+      const double of_p = std::fabs(area2_accurate(place(a), place(b), from)),
+                   of_q = std::fabs(area2_accurate(place(a), place(b), to));
       const double d = mix(z(a), z(b), of_a / (of_a + of_b)) - mix(zp, zq, of_p / (of_p + of_q));
       largest = std::max(largest, std::fabs(d));
       if (largest > limit) return largest;

@@ -8,8 +8,8 @@
 #include "core/half_edges.hpp"
 #include "core/tin.hpp"
 
-// How far a coarser surface on some of the vertices of a TIN is from it, vertically. Both are linear between vertices and
-// the places where their edges cross, so the difference is largest at one of these.
+// How far a coarser surface on some of the vertices of a TIN is from it, vertically. Both are linear between vertices
+// and the places where their edges cross, so the difference is largest at one of these.
 namespace terrane {
 
 class Deviation {

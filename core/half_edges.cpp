@@ -22,8 +22,7 @@ void copy_faces(const Tin& tin, const PlanTopology& topology, bool across_jumps,
       const Index h = 3 * static_cast<Index>(f) + k, m = topology.mate[h];
       if (m < 0 || topology.turn[m / 3] != Turn::left) continue;
       const bool joined = topology.from(tin, h) == topology.to(tin, m) && topology.to(tin, h) == topology.from(tin, m);
-      if (joined || across_jumps)
-        mesh.mate[3 * number[f] + k] = 3 * number[m / 3] + m % 3;
+      if (joined || across_jumps) mesh.mate[3 * number[f] + k] = 3 * number[m / 3] + m % 3;
     }
   }
 }

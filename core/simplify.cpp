@@ -11,6 +11,7 @@
 
 #include "core/corner_heights.hpp"
 #include "core/deviation.hpp"
+#include "core/error.hpp"
 #include "core/half_edges.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
@@ -77,7 +78,8 @@ class Simplifier {
         left_(tin.faces.size()) {
     double largest = 0;
     for (const Point& p : tin.vertices) largest = std::max(largest, std::fabs(p.z));
-    // Errors are measured to a few ulp of the heights; what a lattice of whole metres puts right on the bound is within.
+    // Errors are measured to a few ulp of the heights; what a lattice of whole metres puts right on the bound is
+    // within.
     rounding_ = 0x1p-48 * largest;
     limit_ = options.max_error + rounding_;
     widest_ = 4 * largest + 1;
@@ -90,7 +92,7 @@ class Simplifier {
     else
       take_all();
     const double error = measured();
-    return {result(), error <= limit_ && error > options_.max_error ? options_.max_error : error};
+    return {result(), error <= limit_ && error > options_.max_error ? options_.max_error : error, 0};
   }
 
  private:
@@ -116,8 +118,8 @@ class Simplifier {
     }
   }
 
-  /// A limit makes holes be filled as well as they can be, which no order of removals makes up for. So where a number of
-  /// faces is asked for the limit is raised until they are reached.
+  /// A limit makes holes be filled as well as they can be, which no order of removals makes up for. So where a number
+  /// of faces is asked for the limit is raised until they are reached.
   void raise_limit() {
     std::vector<double> errors;
     for (std::size_t v = 0; v < error_.size(); ++v)
@@ -146,8 +148,7 @@ class Simplifier {
     for (Index h = 0; h < count; ++h) {
       const Index f = h / 3, v = mesh_.faces[f][0];
       if (v == none) continue;
-      if (mesh_.mate[h] < h)
-        largest = std::max(largest, deviation_.along(mesh_.from(h), mesh_.to(h), INFINITY));
+      if (mesh_.mate[h] < h) largest = std::max(largest, deviation_.along(mesh_.from(h), mesh_.to(h), INFINITY));
       if (h % 3 == 0)
         for (Index p = first_covered_[f]; p != none; p = next_covered_[p])
           largest = std::max(largest, deviation_.at(p, v, mesh_.faces[f][1], mesh_.faces[f][2]));
@@ -190,9 +191,7 @@ class Simplifier {
       if (!stays_[v] && error_[v] <= limit_ && error_[v] < INFINITY) queue_.set(static_cast<Index>(v), error_[v]);
   }
 
-  void measure(Index v, StarPatch& patch) {
-    error_[v] = take_out(v, patch) ? patch.fill(limit_) : INFINITY;
-  }
+  void measure(Index v, StarPatch& patch) { error_[v] = take_out(v, patch) ? patch.fill(limit_) : INFINITY; }
 
   /// The hole that v leaves; false where the border turns at v.
   bool take_out(Index v, StarPatch& patch) {
@@ -214,7 +213,9 @@ class Simplifier {
 
   bool straight_on(Index a, Index b, Index c) const {
     const Point2 p = deviation_.place(a), q = deviation_.place(b), r = deviation_.place(c);
-    const auto between = [](double from, double at, double to) { return from <= to ? from <= at && at <= to : to <= at; };
+    const auto between = [](double from, double at, double to) {
+      return from <= to ? from <= at && at <= to : to <= at;
+    };
     return orientation(p, q, r) == 0 && between(p.x, q.x, r.x) && between(p.y, q.y, r.y);
   }
 
@@ -266,7 +267,8 @@ class Simplifier {
     std::sort(edges_.begin(), edges_.end());
     for (std::size_t e = 0; e + 1 < edges_.size(); ++e)
       if (edges_[e].low == edges_[e + 1].low && edges_[e].high == edges_[e + 1].high)
-        mesh_.mate[edges_[e].half_edge] = edges_[e + 1].half_edge, mesh_.mate[edges_[e + 1].half_edge] = edges_[e].half_edge;
+        mesh_.mate[edges_[e].half_edge] = edges_[e + 1].half_edge,
+        mesh_.mate[edges_[e + 1].half_edge] = edges_[e].half_edge;
     for (std::size_t s = 0; s < patch.triangles.size(); ++s)
       for (int k = 0; k < 3; ++k) {
         const int i = patch.triangles[s][k];
@@ -322,10 +324,31 @@ class Simplifier {
   std::vector<InnerEdge> edges_;
 };
 
+/// Not a number where the overlay of the two cannot be rounded, which is nothing against the result.
+double difference_on_overlay(const Tin& tin, const Tin& simplified, Context& context) {
+  try {
+    return largest_difference(tin, simplified, context);
+  } catch (const Error& error) {
+    if (error.kind != ErrorKind::input) throw;
+    return NAN;
+  }
+}
+
 }  // namespace
 
 Simplified simplify(const Tin& tin, const SimplifyOptions& options, Context& context) {
   return Simplifier(tin, options, context).run();
+}
+
+Simplified simplify_and_verify(const Tin& tin, SimplifyOptions options, Context& context) {
+  const double promised = options.max_error + coplanar_tolerance(tin);
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    Simplified made = simplify(tin, options, context);
+    made.verified = difference_on_overlay(tin, made.tin, context);
+    if (!(made.verified > promised)) return made;
+    options.max_error = std::max(0.0, options.max_error - 2 * (made.verified - promised));
+  }
+  throw Error(ErrorKind::internal, "bound-missed", "the simplified surface is further from the original than promised");
 }
 
 double coplanar_tolerance(const Tin& tin) {

@@ -22,8 +22,10 @@ struct SimplifyOptions {
 };
 
 struct Simplified {
-  Tin tin;             // canonical; its vertices are vertices of the surface
-  double error = 0;    // no removal brought the surface further away than this
+  Tin tin;              // canonical; its vertices are vertices of the surface
+  double error = 0;     // how far it is from the surface, measured on the result; good to a few ulp of the heights
+  double verified = 0;  // the same on the overlay of both (largest_difference), whose crossings are rounded; not a
+                        // number where rounding them fails
 };
 
 /// Takes out vertices one at a time, those that matter least first, and fills the holes with triangles of the vertices
@@ -34,6 +36,10 @@ struct Simplified {
 /// See Schroeder, Zarge & Lorensen (1992) for the scheme; choosing among all triangulations of a hole by dynamic
 /// programming is due to Klincsek (1980).
 Simplified simplify(const Tin& tin, const SimplifyOptions& options, Context& context);
+
+/// The same, verified on the overlay of the surface and the result. Should that find the bound exceeded by more than
+/// rounding the whole is done again with as much less; Error{internal} when that does not help.
+Simplified simplify_and_verify(const Tin& tin, SimplifyOptions options, Context& context);
 
 /// What heights of a TIN are good to once it has been through an overlay: within it faces are one plane.
 double coplanar_tolerance(const Tin& tin);

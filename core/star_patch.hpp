@@ -25,8 +25,8 @@ class StarPatch {
 
   /// Triangulates the hole so that the surface stays within `limit` of the original, with corners as wide as that
   /// allows: the Delaunay triangulation where it does, else the best of all those that do. Returns the largest
-  /// deviation, infinite where nothing serves. The same ring gives the same triangles. O(r^3) for r corners and the time
-  /// of measuring; r log r above `many`, where the constrained Delaunay triangulation alone is tried.
+  /// deviation, infinite where nothing serves. The same ring gives the same triangles. O(r^3) for r corners and the
+  /// time of measuring; r log r above `many`, where the constrained Delaunay triangulation alone is tried.
   double fill(double limit);
 
   static constexpr int many = 32;

@@ -26,6 +26,8 @@ const std::vector<Operation>& catalogue() {
       render(),
       profile(),
       sample(),
+      contour(),
+      simplify_operation(),
       transform_operation(),
       validate(),
       info(),
@@ -47,6 +49,15 @@ const Operation& find_operation(std::string_view id) {
 const std::vector<Parameter>& common_parameters() {
   static const std::vector<Parameter> all = described<CommonParameters>();
   return all;
+}
+
+std::vector<Parameter> common_parameters_of(const Operation& operation) {
+  std::vector<Parameter> list;
+  for (const Parameter& common : common_parameters())
+    if (std::none_of(operation.parameters.begin(), operation.parameters.end(),
+                     [&](const Parameter& own) { return own.name == common.name; }))
+      list.push_back(common);
+  return list;
 }
 
 std::vector<std::string> formats_of(ResultKind kind) {

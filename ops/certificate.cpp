@@ -172,7 +172,8 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                           {{"max_plan_shift", std::max(rounding.max_move, rounding.max_snap)},
                            {"max_height_error", heights.max_error},
                            {"points_checked", heights.points},
-                           {"approximation", approximation(plan, frame, surfaces)}}},
+                           {"approximation", outcome.approximation.is_null() ? approximation(plan, frame, surfaces)
+                                                               : outcome.approximation}}},
                          {"rounding", outcome.rounding ? rounding_json(rounding) : nlohmann::json()},
                          {"area_balance", balance},
                          {"reprojection", frame.reprojection},

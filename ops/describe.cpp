@@ -129,7 +129,8 @@ nlohmann::json process_description(const Operation& operation) {
         {"minOccurs", slot.min_occurs},
         {"maxOccurs", slot.max_occurs == 0 ? nlohmann::json("unbounded") : nlohmann::json(slot.max_occurs)},
         {"schema", surface_schema(slot)}};
-  for (const auto* list : {&operation.parameters, &common_parameters()})
+  const std::vector<Parameter> common = common_parameters_of(operation);
+  for (const auto* list : {&operation.parameters, &common})
     for (const Parameter& p : *list)
       inputs[p.name] = {{"title", title_of(p.name)},
                         {"description", p.sentence},

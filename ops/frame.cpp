@@ -147,6 +147,7 @@ void warn_distorted(const std::vector<Surface>& surfaces, const Crs& crs, Contex
 
 DemOptions dem_options(const Plan& plan, const Crs& crs) {
   DemOptions options;
+  if (plan.operation->intake.every_sample) return options;
   options.max_error = Length::of(plan.parameters.at("max-error")).in(crs.known() ? crs.metres_per_height_unit() : 1.0);
   if (const auto it = plan.parameters.find("max-triangles"); it != plan.parameters.end() && !it->is_null())
     options.max_triangles = it->get<std::size_t>();

@@ -60,6 +60,8 @@ Json example_inputs(const Operation& operation) {
   }
   if (operation.id == "threshold") inputs["level"] = 12;
   if (operation.id == "quantize") inputs["interval"] = 2;
+  if (operation.id == "simplify") inputs["max-error"] = 2;
+  if (operation.id == "contour") inputs["interval"] = 2;
   if (operation.id == "transform") inputs["target-crs"] = "EPSG:4326";
   return {{"inputs", inputs}};
 }
@@ -92,7 +94,8 @@ Json form_schema(const Operation& operation) {
     properties[slot.name]["description"] = slot.sentence;
     if (slot.min_occurs > 0) required.push_back(slot.name);
   }
-  for (const auto* list : {&operation.parameters, &common_parameters()})
+  const std::vector<Parameter> common = common_parameters_of(operation);
+  for (const auto* list : {&operation.parameters, &common})
     for (const Parameter& p : *list) {
       properties[p.name] = parameter_schema(p);
       properties[p.name]["description"] = p.sentence;
@@ -108,7 +111,8 @@ Json query_parameters(const Operation& operation) {
                   {"in", "query"},
                   {"description", "The format of the result; goes before Accept."},
                   {"schema", {{"type", "string"}, {"enum", operation.output_formats}}}});
-  for (const auto* parameters : {&operation.parameters, &common_parameters()})
+  const std::vector<Parameter> common = common_parameters_of(operation);
+  for (const auto* parameters : {&operation.parameters, &common})
     for (const Parameter& p : *parameters)
       list.push_back({{"name", p.name}, {"in", "query"}, {"description", p.sentence}, {"schema", parameter_schema(p)}});
   return list;

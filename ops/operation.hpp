@@ -82,6 +82,7 @@ struct Intake {
   bool empty_allowed = false;
   bool raster_only = false;  // no TIN, which is one already
   bool points_allowed = false;
+  bool every_sample = false;  // of a raster becomes a vertex: max-error is about what the operation does
 };
 
 struct Operation {
@@ -107,6 +108,8 @@ const std::vector<Operation>& catalogue();
 const Operation& find_operation(std::string_view id);
 /// max-error, assume-crs, crs, target-crs, grid, format, threads.
 const std::vector<Parameter>& common_parameters();
+/// Those of them that an operation takes as they are; where max-error means something of its own it describes it itself.
+std::vector<Parameter> common_parameters_of(const Operation& operation);
 
 /// The words of `format` that a kind of result can have, the default first.
 std::vector<std::string> formats_of(ResultKind kind);

@@ -23,6 +23,8 @@ Operation render();
 Operation rasterize_operation();
 Operation profile();
 Operation sample();
+Operation contour();
+Operation simplify_operation();
 Operation transform_operation();
 Operation validate();
 Operation info();

@@ -19,10 +19,9 @@ std::string joined(const std::vector<std::string>& words) {
   return list;
 }
 
-std::vector<const Parameter*> parameters_of(const Operation& operation) {
-  std::vector<const Parameter*> all;
-  for (const Parameter& p : operation.parameters) all.push_back(&p);
-  for (const Parameter& p : common_parameters()) all.push_back(&p);
+std::vector<Parameter> parameters_of(const Operation& operation) {
+  std::vector<Parameter> all = operation.parameters;
+  for (Parameter& p : common_parameters_of(operation)) all.push_back(std::move(p));
   return all;
 }
 
@@ -56,27 +55,27 @@ nlohmann::json shown(const std::string& vectors) {
 nlohmann::json parse_parameters(Request& request, const Operation& operation, Plan& made) {
   const auto all = parameters_of(operation);
   nlohmann::json values = nlohmann::json::object();
-  for (const Parameter* p : all)
-    if (!p->default_value.is_null()) values[p->name] = p->default_value;
+  for (const Parameter& p : all)
+    if (!p.default_value.is_null()) values[p.name] = p.default_value;
 
   std::set<std::string> seen;
   for (auto& [name, text] : request.parameters) {
     const auto it =
-        std::find_if(all.begin(), all.end(), [&name = name](const Parameter* p) { return p->name == name; });
+        std::find_if(all.begin(), all.end(), [&name = name](const Parameter& p) { return p.name == name; });
     if (it == all.end()) {
       std::vector<std::string> names;
-      for (const Parameter* p : all) names.push_back(p->name);
+      for (const Parameter& p : all) names.push_back(p.name);
       throw Error(ErrorKind::usage, "unknown-parameter",
                   "'" + operation.id + "' has no parameter '" + name.substr(0, 80) + "'; it has " + joined(names));
     }
     if (!seen.insert(name).second)
       throw Error(ErrorKind::usage, "repeated-parameter", "parameter '" + name + "' is given more than once");
-    values[name] = parse_parameter(**it, text);
-    if ((*it)->type == Parameter::Type::vectors) {
+    values[name] = parse_parameter(*it, text);
+    if (it->type == Parameter::Type::vectors) {
       values[name] = shown(text);
       made.vectors[name] = std::move(text);
     }
-    if ((*it)->type == Parameter::Type::crs) check_crs(name, values[name], request, operation);
+    if (it->type == Parameter::Type::crs) check_crs(name, values[name], request, operation);
   }
   if (const auto it = values.find("format"); it != values.end()) {
     if (request.format.empty()) request.format = *it;

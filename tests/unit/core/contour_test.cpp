@@ -106,7 +106,8 @@ void expect_right(const Tin& tin, const std::vector<Contour>& lines, double leve
       const double d = std::hypot(q.x - p.x, q.y - p.y), aside = 1e-7;
       if (d < 1e-3) continue;
       const Point2 middle{(p.x + q.x) / 2, (p.y + q.y) / 2}, right{(q.y - p.y) / d * aside, (p.x - q.x) / d * aside};
-      const double higher = z({middle.x + right.x, middle.y + right.y}), lower = z({middle.x - right.x, middle.y - right.y});
+      const double higher = z({middle.x + right.x, middle.y + right.y}),
+                   lower = z({middle.x - right.x, middle.y - right.y});
       if (!std::isnan(higher)) EXPECT_GE(higher, level - 1e-12);
       if (!std::isnan(lower)) EXPECT_LT(lower, level + 1e-12);
     }
@@ -185,7 +186,8 @@ TEST(Contour, LatticesOfFewHeightsAtTheirHeights) {
   for (int round = 0; round < 300; ++round) {
     std::string picture;
     for (int j = 0; j < 8; ++j, picture += '\n')
-      for (int i = 0; i < 9; ++i) picture += support::below(random, 12) == 0 && round % 2 ? '.' : '0' + support::below(random, 3);
+      for (int i = 0; i < 9; ++i)
+        picture += support::below(random, 12) == 0 && round % 2 ? '.' : '0' + support::below(random, 3);
     const Tin tin = canonical(drawn(picture));
     if (tin.faces.empty()) continue;
     for (const double level : {0.0, 0.5, 1.0, 2.0}) expect_right(tin, traced(tin, {level}), level);
@@ -242,8 +244,7 @@ TEST(Contour, AContourThatClimbsAWall) {
   const Tin crossed = merge({low, falling}, {Overlap::first, {Seam::wall, 0}}, context).surface.tin;
   for (const double level : {1.0, 1.5, 2.0, 3.0}) {
     const auto lines = traced(crossed, {level});
-    EXPECT_NEAR(length(lines), 4 + 2 * std::min(level, 4 - level), 1e-12)
-        << level;
+    EXPECT_NEAR(length(lines), 4 + 2 * std::min(level, 4 - level), 1e-12) << level;
   }
 }
 

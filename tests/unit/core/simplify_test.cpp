@@ -108,8 +108,7 @@ TEST(Simplify, HolesIslandsAndNotchesKeepTheirShape) {
 
 TEST(Simplify, CoplanarFacesBecomeFew) {
   // A roof: two planes on either side of a ridge in the middle, 9 x 9 samples.
-  Tin roof = drawn(
-      "012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210");
+  Tin roof = drawn("012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210\n012343210");
   const Simplified kept = without_flat_vertices(roof);
   expect_right(roof, kept, 0);
   EXPECT_EQ(kept.tin.vertices.size(), 32u) << "the border alone";

@@ -37,7 +37,8 @@ TEST(Catalogue, EveryOperationIsDescribedOnce) {
     EXPECT_FALSE(operation.output_formats.empty()) << operation.id;
     EXPECT_TRUE(operation.run) << operation.id;
     std::set<std::string> names;
-    for (const auto* list : {&operation.parameters, &common_parameters()})
+    const std::vector<Parameter> common = common_parameters_of(operation);
+    for (const auto* list : {&operation.parameters, &common})
       for (const Parameter& p : *list) {
         EXPECT_TRUE(names.insert(p.name).second) << operation.id << " " << p.name;
         EXPECT_FALSE(p.sentence.empty()) << operation.id << " " << p.name;
