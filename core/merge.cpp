@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/corner_heights.hpp"
+#include "core/median.hpp"
 #include "core/mosaic.hpp"
 #include "core/seams.hpp"
 
@@ -15,8 +16,7 @@ namespace {
 /// Whether the order of the tiles given must not matter.
 bool any_order(Overlap overlap) { return overlap != Overlap::first && overlap != Overlap::last; }
 
-/// An order of tiles by content alone: along x, then y; equal boxes by what is in them.
-std::vector<int> order_by_content(const std::vector<Tin>& tiles, std::vector<int> order) {
+std::vector<int> by_content(const std::vector<Tin>& tiles, std::vector<int> order) {
   std::vector<Box> boxes;
   for (const Tin& tile : tiles) boxes.push_back(bounds(tile));
   const auto key = [&](int t) {
@@ -43,7 +43,15 @@ std::vector<int> merge_order(const std::vector<Tin>& tiles, Overlap overlap) {
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t)
     if (!tiles[t].faces.empty()) order.push_back(t);
   if (overlap == Overlap::last) std::reverse(order.begin(), order.end());
-  return any_order(overlap) ? order_by_content(tiles, std::move(order)) : order;
+  return any_order(overlap) ? by_content(tiles, std::move(order)) : order;
+}
+
+/// Whether the height of a face at a place is an input's own.
+bool is_firm(const Piece& from, Index parent, Point2 at) {
+  for (int k = 0; k < 3; ++k)
+    if (from.surface.points[from.surface.faces[parent][k]] == at)
+      return from.surface.firm[3 * static_cast<std::size_t>(parent) + k];
+  return false;
 }
 
 /// One tile on top of, under, or mixed with what has accumulated near it.
@@ -100,13 +108,6 @@ class Step {
     return policy_ == Overlap::max ? above > 0 : above < 0;
   }
 
-  static bool is_firm(const Piece& from, Index parent, Point2 at) {
-    for (int k = 0; k < 3; ++k)
-      if (from.surface.points[from.surface.faces[parent][k]] == at)
-        return from.surface.firm[3 * static_cast<std::size_t>(parent) + k];
-    return false;
-  }
-
   const Piece& near_;
   const Piece& tile_;
   int rank_;
@@ -136,6 +137,35 @@ Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& or
     mosaic.add(merged);
   }
   return mosaic.take_all();
+}
+
+/// The surface cut off at a level: what lies beyond it becomes level. The level is one more surface wherever there is
+/// one, so the cuts are those of any min or max.
+Piece clamped(Piece piece, double level, Overlap policy, RoundingReport& report, Context& context) {
+  Overlay both;
+  both.points = piece.surface.points;
+  both.faces = piece.surface.faces;
+  for (Index f = 0; f < static_cast<Index>(both.faces.size()); ++f) both.parents.push_back({f, f});
+  both.heights[0].assign(piece.surface.z.begin(), piece.surface.z.end());
+  both.per_corner[0] = true;
+  both.heights[1].assign(both.points.size(), level);
+  both = split_where_surfaces_cross(std::move(both), context);
+  accumulate(report, both.rounding);
+  Piece result;
+  result.surface.points = std::move(both.points);
+  for (Index f = 0; f < static_cast<Index>(both.faces.size()); ++f) {
+    const Index parent = both.parents[f][0];
+    for (int k = 0; k < 3; ++k) {
+      const double z = both.height(0, f, k);
+      const bool level_wins = policy == Overlap::max ? z < level : z > level;
+      result.surface.z.push_back(level_wins ? level : z);
+      result.surface.firm.push_back(level_wins || z == level ||
+                                    is_firm(piece, parent, result.surface.points[both.faces[f][k]]));
+    }
+    result.contributors.push_back(piece.contributors[parent]);
+  }
+  result.surface.faces = std::move(both.faces);
+  return result;
 }
 
 /// z_tolerance closes at the height of the tile that goes before.
@@ -196,18 +226,27 @@ std::vector<SeamPair> with_jumps(std::vector<SeamPair> pairs, const Piece& piece
 
 }  // namespace
 
+std::vector<int> order_by_content(const std::vector<Tin>& tiles) {
+  std::vector<int> order(tiles.size());
+  std::iota(order.begin(), order.end(), 0);
+  return by_content(tiles, std::move(order));
+}
+
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context) {
   const std::vector<int> order = merge_order(tiles, options.overlap);
   Merged merged;
   if (order.empty()) return merged;
-  if (order.size() == 1) {
+  if (order.size() == 1 && !options.level) {
     merged.surface.tin = canonical(tiles[order[0]]);
     return merged;
   }
   std::vector<SeamPair> pairs = compare_all(tiles, order, context);
   ContributorSets sets(static_cast<int>(order.size()));
   RoundingReport report;
-  Piece piece = accumulate_tiles(tiles, order, options.overlap, sets, report, context);
+  Piece piece = options.overlap == Overlap::median
+                    ? median_surface(tiles, order, sets, report, context)
+                    : accumulate_tiles(tiles, order, options.overlap, sets, report, context);
+  if (options.level) piece = clamped(std::move(piece), *options.level, options.overlap, report, context);
   sort_by_contributor(piece, sets);
   merged.seams = with_jumps(std::move(pairs), piece, sets, order, options.assembly);
   merged.surface = assemble(std::move(piece.surface), options.assembly, context);

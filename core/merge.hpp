@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,13 @@
 
 namespace terrane {
 
-enum class Overlap { first, last, min, max, mean, sum };
+enum class Overlap { first, last, min, max, mean, median, sum };
 
 struct MergeOptions {
   Overlap overlap = Overlap::first;
   Assembly assembly;
+  std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
+  double gap = 0;                    // slits between tiles up to this width are bridged (core/gaps)
 };
 
 /// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
@@ -36,8 +39,11 @@ struct Merged {
   std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
 };
 
+/// Tiles by their content alone, those first that merge() takes first: along x, then y; equal boxes by what is in them.
+std::vector<int> order_by_content(const std::vector<Tin>& tiles);
+
 /// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max,
-/// mean and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share
+/// mean, median and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share
 /// only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows with the
 /// tiles: faces far from the tile being added are not visited by its overlay.
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);

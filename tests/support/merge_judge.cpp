@@ -49,6 +49,14 @@ Range folded(Overlap policy, std::vector<Range> z) {
     const double n = policy == Overlap::mean ? static_cast<double>(z.size()) : 1;
     return {sum.low / n, sum.high / n};
   }
+  if (policy == Overlap::median) {
+    std::vector<double> low, high;
+    for (const Range& r : z) low.push_back(r.low), high.push_back(r.high);
+    std::sort(low.begin(), low.end());
+    std::sort(high.begin(), high.end());
+    const std::size_t i = (z.size() - 1) / 2, j = z.size() / 2;
+    return {(low[i] + low[j]) / 2, (high[i] + high[j]) / 2};
+  }
   // Where ranges meet the surfaces may cross, and the crossing has the height of either.
   const bool lowest = policy == Overlap::min;
   std::sort(z.begin(), z.end(),

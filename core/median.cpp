@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/median.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/corner_heights.hpp"
+#include "core/edge_cuts.hpp"
+#include "core/error.hpp"
+#include "core/layers.hpp"
+
+namespace terrane {
+namespace {
+
+/// The layers in the middle, one twice when their number is odd: by the height of the face's centroid.
+std::array<std::size_t, 2> middle(std::span<const Layer> layers) {
+  if (layers.size() <= 2) return {0, layers.size() - 1};
+  std::vector<std::size_t> order(layers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto height = [&](std::size_t l) { return layers[l].z[0] + layers[l].z[1] + layers[l].z[2]; };
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return height(a) < height(b); });
+  return {order[(order.size() - 1) / 2], order[order.size() / 2]};
+}
+
+/// Two layers of a face that cross on it, as indices of its layers; the first lies in the middle.
+struct Crossing {
+  std::size_t inner = 0, other = 0;
+  bool found = false;
+};
+
+bool cross(const Layer& a, const Layer& b, double tolerance) {
+  bool above = false, below = false;
+  for (int k = 0; k < 3; ++k) {
+    const double d = a.z[k] - b.z[k];
+    if (std::fabs(d) <= tolerance * std::max(1.0, std::fabs(a.z[k]))) continue;
+    (d > 0 ? above : below) = true;
+  }
+  return above && below;
+}
+
+/// When every other layer lies on one side of those in the middle, they stay there all over the face.
+Crossing unsettled(std::span<const Layer> layers, double tolerance) {
+  if (layers.size() < 3) return {};
+  const auto [m, n] = middle(layers);
+  for (std::size_t j = 0; j < layers.size(); ++j) {
+    if (j == m || j == n) continue;
+    for (const std::size_t inner : {m, n})
+      if (cross(layers[inner], layers[j], tolerance)) return {inner, j, true};
+  }
+  return {};
+}
+
+/// One round of cuts: every unsettled face along one line.
+class Round {
+ public:
+  Round(Layered before, double tolerance) : before_(std::move(before)), crossings_(before_.faces.size()) {
+    for (std::size_t f = 0; f < before_.faces.size(); ++f) {
+      crossings_[f] = unsettled(before_.of(f), tolerance);
+      if (crossings_[f].found) ask(static_cast<Index>(f));
+    }
+  }
+
+  bool settled() const { return cuts_.empty(); }
+
+  Layered run(RoundingReport& report, Context& context) {
+    if (settled()) return std::move(before_);
+    PlanarMesh mesh{before_.points, before_.faces, {}, {}};
+    connect(mesh);
+    cut_ = cut_edges(std::move(mesh), cuts_, Chords::between_own_cuts, context);
+    accumulate(report, cut_.rounded.report);
+    list_landings();
+    Layered after;
+    after.first.push_back(0);
+    for (std::size_t f = 0; f < cut_.mesh.faces.size(); ++f) {
+      carry(f, after);
+      after.first.push_back(after.layers.size());
+    }
+    after.points = std::move(cut_.mesh.points);
+    after.faces = std::move(cut_.mesh.faces);
+    return after;
+  }
+
+ private:
+  void ask(Index f) {
+    const auto layers = before_.of(f);
+    const Layer &a = layers[crossings_[f].inner], &b = layers[crossings_[f].other];
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const double dp = a.z[i] - b.z[i], dq = a.z[j] - b.z[j];
+      if ((dp < 0 && dq > 0) || (dp > 0 && dq < 0)) cuts_.push_back({f, k, dp, dq});
+    }
+  }
+
+  /// Which cuts ended at a vertex, theirs or one that rounding brought them to.
+  void list_landings() {
+    last_landing_.assign(cut_.mesh.points.size(), none);
+    landing_before_.assign(cut_.made.size(), none);
+    for (std::size_t i = 0; i < cut_.made.size(); ++i) {
+      const Index w = cut_.rounded.merged_into[cut_.first_made + static_cast<Index>(i)];
+      landing_before_[i] = last_landing_[w];
+      last_landing_[w] = static_cast<Index>(i);
+    }
+  }
+
+  void carry(std::size_t f, Layered& after) {
+    const Index label = cut_.mesh.labels[f];
+    const Face& corners = cut_.mesh.faces[f];
+    const std::size_t begin = after.layers.size();
+    for (const Layer& old : before_.of(label)) {
+      Layer layer{old.tile, {}, {0, 0, 0}};
+      for (int k = 0; k < 3; ++k) {
+        layer.z[k] = value_on(cut_, before_.points, before_.faces[label], old.z, corners[k]);
+        for (int j = 0; j < 3; ++j)
+          if (before_.faces[label][j] == corners[k]) layer.firm[k] = old.firm[j];
+      }
+      after.layers.push_back(layer);
+    }
+    const std::span<Layer> layers{&after.layers[begin], after.layers.size() - begin};
+    for (int k = 0; k < 3; ++k)
+      for (Index i = last_landing_[corners[k]]; i != none; i = landing_before_[i])
+        for (const Index owner : cut_.made[i].owners)
+          if (owner != none) equate(cut_.made[i], owner, label, k, layers);
+  }
+
+  /// Both heights at a vertex made where they cross are one double there, on every face along whose edge they cross.
+  void equate(const CutVertex& made, Index owner, Index label, int corner, std::span<Layer> layers) const {
+    const auto asked = before_.of(owner);
+    const int tile_a = asked[crossings_[owner].inner].tile, tile_b = asked[crossings_[owner].other].tile;
+    Layer *a = nullptr, *b = nullptr;
+    for (Layer& layer : layers) {
+      if (layer.tile == tile_a) a = &layer;
+      if (layer.tile == tile_b) b = &layer;
+    }
+    if (!a || !b) return;
+    const double rise_a = rise(made, label, tile_a), rise_b = rise(made, label, tile_b);
+    if (owner != label &&
+        !(difference(made.p, label, tile_a, tile_b) == made.dp &&
+          difference(made.q, label, tile_a, tile_b) == made.dq) &&
+        !(difference(made.p, label, tile_a, tile_b) == -made.dp &&
+          difference(made.q, label, tile_a, tile_b) == -made.dq))
+      return;
+    // The flatter one stays flat.
+    const bool a_stays = rise_a != rise_b ? rise_a < rise_b : tile_a < tile_b;
+    (a_stays ? b : a)->z[corner] = (a_stays ? a : b)->z[corner];
+    (a_stays ? b : a)->firm[corner] = (a_stays ? a : b)->firm[corner];
+  }
+
+  double height(Index place, Index face, int tile) const {
+    const Face& corners = before_.faces[face];
+    for (const Layer& layer : before_.of(face))
+      if (layer.tile == tile)
+        for (int k = 0; k < 3; ++k)
+          if (corners[k] == place) return layer.z[k];
+    return NAN;
+  }
+  double difference(Index place, Index face, int a, int b) const {
+    return height(place, face, a) - height(place, face, b);
+  }
+  double rise(const CutVertex& made, Index face, int tile) const {
+    return std::fabs(height(made.q, face, tile) - height(made.p, face, tile));
+  }
+
+  Layered before_;
+  std::vector<Crossing> crossings_;
+  std::vector<EdgeCut> cuts_;
+  CutMesh cut_;
+  std::vector<Index> last_landing_, landing_before_;
+};
+
+Layered settled(Layered layered, RoundingReport& report, Context& context) {
+  // Rounds are as many as lines cross one face. Crossings so flat that rounding makes them anew are left in the end:
+  // they are far below what is welded.
+  for (int round = 0; round < 256; ++round) {
+    context.progress("median", 1 - 1.0 / (1 + round));
+    Round cuts(std::move(layered), round < 16 ? 0 : 1e-12);
+    const bool done = cuts.settled();
+    layered = cuts.run(report, context);
+    if (done) return layered;
+  }
+  throw Error(ErrorKind::input, "rounding",
+              "the surfaces cross each other too often within rounding for their median; use coordinates nearer the "
+              "origin, or overlap=mean");
+}
+
+}  // namespace
+
+Piece median_surface(const std::vector<Tin>& tiles, const std::vector<int>& order, ContributorSets& sets,
+                     RoundingReport& report, Context& context) {
+  Layered layered = settled(layers_of(tiles, order, report, context), report, context);
+  Piece piece;
+  for (std::size_t f = 0; f < layered.faces.size(); ++f) {
+    const auto layers = layered.of(f);
+    const auto [m, n] = middle(layers);
+    for (int k = 0; k < 3; ++k) {
+      const double low = layers[m].z[k], high = layers[n].z[k];
+      piece.surface.z.push_back(low + (high - low) / 2);
+      piece.surface.firm.push_back(m == n && layers[m].firm[k]);
+    }
+    Index set = sets.single(layers[0].tile);
+    for (std::size_t l = 1; l < layers.size(); ++l) set = sets.with(set, layers[l].tile);
+    piece.contributors.push_back(set);
+  }
+  piece.surface.points = std::move(layered.points);
+  piece.surface.faces = std::move(layered.faces);
+  return piece;
+}
+
+}  // namespace terrane
