@@ -247,6 +247,7 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
                     ? median_surface(tiles, order, sets, report, context)
                     : accumulate_tiles(tiles, order, options.overlap, sets, report, context);
   if (options.level) piece = clamped(std::move(piece), *options.level, options.overlap, report, context);
+  merged.bridged = bridge_gaps(piece, sets, options.gap, options.metric, context);
   sort_by_contributor(piece, sets);
   merged.seams = with_jumps(std::move(pairs), piece, sets, order, options.assembly);
   merged.surface = assemble(std::move(piece.surface), options.assembly, context);

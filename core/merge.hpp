@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/gaps.hpp"
+#include "core/plan_metric.hpp"
 #include "core/surface.hpp"
 #include "core/tin.hpp"
 
@@ -17,6 +19,7 @@ struct MergeOptions {
   Assembly assembly;
   std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
   double gap = 0;                    // slits between tiles up to this width are bridged (core/gaps)
+  PlanMetric metric = {};            // of the gap
 };
 
 /// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
@@ -36,6 +39,7 @@ struct SeamPair {
 
 struct Merged {
   Assembled surface;
+  Bridged bridged;
   std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
 };
 
