@@ -170,11 +170,13 @@ class Round {
 };
 
 Layered settled(Layered layered, RoundingReport& report, Context& context) {
-  // Rounds are as many as lines cross one face. Crossings so flat that rounding makes them anew are left in the end:
-  // they are far below what is welded.
+  // Rounds are as many as lines cross one face. Surfaces that are equal but for rounding cross wherever it pleases: what
+  // is left of such crossings is passed over by and by, up to what is welded anyway.
+  double tolerance = 1e-12;
   for (int round = 0; round < 256; ++round) {
     context.progress("median", 1 - 1.0 / (1 + round));
-    Round cuts(std::move(layered), round < 16 ? 0 : 1e-12);
+    Round cuts(std::move(layered), tolerance);
+    if (round >= 4) tolerance = std::min(1e-9, 4 * tolerance);
     const bool done = cuts.settled();
     layered = cuts.run(report, context);
     if (done) return layered;

@@ -210,18 +210,28 @@ std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vect
 }
 
 /// Pairs know tiles by their index, contributors by their rank.
-std::vector<SeamPair> with_jumps(std::vector<SeamPair> pairs, const Piece& piece, const ContributorSets& sets,
-                                 const std::vector<int>& order, const Assembly& assembly) {
+void find_jumps(Merged& merged, const Piece& piece, const ContributorSets& sets, const std::vector<int>& order,
+                const Assembly& assembly) {
   std::vector<int> rank(order.empty() ? 0 : *std::max_element(order.begin(), order.end()) + 1, 0);
   for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<int>(r);
-  for (SeamPair& pair : pairs) pair.a = rank[pair.a], pair.b = rank[pair.b];
-  attribute_jumps(piece.surface, piece.contributors, sets, assembly.z_tolerance, assembly.seam == Seam::wall, pairs);
-  for (SeamPair& pair : pairs) {
+  for (SeamPair& pair : merged.seams) pair.a = rank[pair.a], pair.b = rank[pair.b];
+  merged.jumps = attribute_jumps(piece.surface, piece.contributors, sets, assembly.z_tolerance,
+                                 assembly.seam == Seam::wall, merged.seams);
+  for (SeamPair& pair : merged.seams) {
     pair.a = order[pair.a], pair.b = order[pair.b];
     if (pair.a > pair.b) std::swap(pair.a, pair.b);
   }
-  std::sort(pairs.begin(), pairs.end(), [](auto& p, auto& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
-  return pairs;
+  for (SeamJump& jump : merged.jumps) {
+    jump.a = order[jump.a], jump.b = order[jump.b];
+    if (jump.a > jump.b) std::swap(jump.a, jump.b), jump.dp = -jump.dp, jump.dq = -jump.dq;
+    if (std::tie(jump.q.x, jump.q.y) < std::tie(jump.p.x, jump.p.y))
+      std::swap(jump.p, jump.q), std::swap(jump.dp, jump.dq);
+  }
+  const auto by_tiles = [](auto& p, auto& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); };
+  std::sort(merged.seams.begin(), merged.seams.end(), by_tiles);
+  std::sort(merged.jumps.begin(), merged.jumps.end(), [](const SeamJump& s, const SeamJump& t) {
+    return std::tie(s.a, s.b, s.p.x, s.p.y, s.q.x, s.q.y) < std::tie(t.a, t.b, t.p.x, t.p.y, t.q.x, t.q.y);
+  });
 }
 
 }  // namespace
@@ -240,7 +250,7 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
     merged.surface.tin = canonical(tiles[order[0]]);
     return merged;
   }
-  std::vector<SeamPair> pairs = compare_all(tiles, order, context);
+  merged.seams = compare_all(tiles, order, context);
   ContributorSets sets(static_cast<int>(order.size()));
   RoundingReport report;
   Piece piece = options.overlap == Overlap::median
@@ -249,7 +259,7 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
   if (options.level) piece = clamped(std::move(piece), *options.level, options.overlap, report, context);
   merged.bridged = bridge_gaps(piece, sets, options.gap, options.metric, context);
   sort_by_contributor(piece, sets);
-  merged.seams = with_jumps(std::move(pairs), piece, sets, order, options.assembly);
+  find_jumps(merged, piece, sets, order, options.assembly);
   merged.surface = assemble(std::move(piece.surface), options.assembly, context);
   accumulate(merged.surface.rounding, report);
   return merged;

@@ -37,10 +37,18 @@ struct SeamPair {
   double wall_area = 0;
 };
 
+/// A piece of a seam along which heights jump: from p to q, by dp to dq, the height of b - that of a.
+struct SeamJump {
+  int a = 0, b = 0;  // as in its pair
+  Point2 p, q;
+  double dp = 0, dq = 0;
+};
+
 struct Merged {
   Assembled surface;
   Bridged bridged;
   std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
+  std::vector<SeamJump> jumps;  // those counted in the pairs, in their order and along x
 };
 
 /// Tiles by their content alone, those first that merge() takes first: along x, then y; equal boxes by what is in them.

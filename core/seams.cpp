@@ -96,6 +96,15 @@ std::pair<int, int> responsible(const std::vector<int>& s, const std::vector<int
   return std::minmax(a, b);
 }
 
+/// Whether, of two sides of a jump, the first is b's of its pair.
+bool lies_on(const std::vector<int>& first, const std::vector<int>& second, const SeamPair& pair) {
+  const auto has = [](const std::vector<int>& tiles, int tile) {
+    return std::binary_search(tiles.begin(), tiles.end(), tile);
+  };
+  if (has(first, pair.b) != has(second, pair.b)) return has(first, pair.b);
+  return has(second, pair.a);
+}
+
 /// The jumps of one pair while they are summed up.
 class Jumps {
  public:
@@ -148,7 +157,7 @@ std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& conte
   return pair;
 }
 
-void attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors, const ContributorSets& sets,
+std::vector<SeamJump> attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors, const ContributorSets& sets,
                      double z_tolerance, bool made_walls, std::vector<SeamPair>& pairs) {
   PlanarMesh mesh{surface.points, surface.faces, {}, {}};
   connect(mesh);
@@ -158,6 +167,7 @@ void attribute_jumps(const CornerSurface& surface, const std::vector<Index>& con
     std::size_t pair;
     Point2 p, q;
     double dp, dq;
+    bool f_is_b;
   };
   std::vector<Found> found;
   for (Index f = 0; f < static_cast<Index>(surface.faces.size()); ++f)
@@ -181,12 +191,19 @@ void attribute_jumps(const CornerSurface& surface, const std::vector<Index>& con
         pairs.back().b = who.second;
       }
       found.push_back({it->second, surface.points[surface.faces[f][(k + 1) % 3]],
-                       surface.points[surface.faces[f][(k + 2) % 3]], dp, dq});
+                       surface.points[surface.faces[f][(k + 2) % 3]], dp, dq,
+                       lies_on(sets.members(contributors[f]), sets.members(contributors[g]), pairs[it->second])});
     }
   std::vector<Jumps> jumps;
   for (SeamPair& pair : pairs) jumps.emplace_back(pair);
   for (const Found& jump : found) jumps[jump.pair].add(jump.p, jump.q, jump.dp, jump.dq);
   for (Jumps& sums : jumps) sums.finish(made_walls);
+  std::vector<SeamJump> listed;
+  for (const Found& jump : found) {
+    const double sign = jump.f_is_b ? 1 : -1;
+    listed.push_back({pairs[jump.pair].a, pairs[jump.pair].b, jump.p, jump.q, sign * jump.dp, sign * jump.dq});
+  }
+  return listed;
 }
 
 }  // namespace terrane

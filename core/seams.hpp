@@ -16,8 +16,8 @@ namespace terrane {
 std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& context);
 
 /// The jumps left between faces of different contributors, added to the pairs they belong to. `made_walls`: whether
-/// they are closed by walls, whose area is then counted. O(n).
-void attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors, const ContributorSets& sets,
+/// they are closed by walls, whose area is then counted. Returns the jumps, a and b as in the pairs. O(n).
+std::vector<SeamJump> attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors, const ContributorSets& sets,
                      double z_tolerance, bool made_walls, std::vector<SeamPair>& pairs);
 
 }  // namespace terrane

@@ -12,6 +12,7 @@ const std::vector<Operation>& catalogue() {
       add(),
       subtract(),
       merge_operation(),
+      seams_operation(),
       volume_operation(),
       logic_and(),
       logic_or(),

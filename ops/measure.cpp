@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ops/measure.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -50,6 +51,20 @@ double domain_area(const Tin& tin, const Crs& crs, double plan_area) {
   if (crs.known() && crs.geographic()) return area(tin, ellipsoidal_area_scale(crs));
   return plan_area * units_of(crs).area_factor;
 }
+
+PlanMetric plan_metric(const Crs& crs) {
+  if (!crs.known() || !crs.geographic()) return {};
+  return {[](double latitude) {
+    const Point2 metres = metres_per_degree(std::clamp(latitude, -89.9, 89.9));
+    return metres;
+  }};
+}
+
+double plan_length(const Length& length, const Crs& crs) {
+  return length.in(crs.known() && !crs.geographic() ? crs.metres_per_length_unit() : 1.0);
+}
+
+std::string length_unit(const Crs& crs) { return crs.known() && !crs.geographic() ? crs.length_unit() : "m"; }
 
 double distance(Point2 a, Point2 b, const Crs& crs) {
   Point2 unit{1, 1};

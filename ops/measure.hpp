@@ -3,8 +3,10 @@
 
 #include <string>
 
+#include "core/plan_metric.hpp"
 #include "core/validate.hpp"
 #include "io/geodesy.hpp"
+#include "ops/parameters.hpp"
 
 // Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees.
 // Not a
@@ -36,6 +38,13 @@ double steepness(const Point& a, const Point& b, const Point& c, const Crs& crs)
 
 /// The area of the surface in space, in `units_of(crs).area`.
 double surface_area(const Tin& tin, const Crs& crs);
+
+/// How lengths in plan are measured: in plan units, or in metres where those are degrees.
+PlanMetric plan_metric(const Crs& crs);
+/// A length asked for, as the plan metric has it.
+double plan_length(const Length& length, const Crs& crs);
+/// The unit that both are in: "m", "ft", "ftUS".
+std::string length_unit(const Crs& crs);
 
 /// The plan distance between two places in the CRS's length unit, metres for degrees.
 double distance(Point2 a, Point2 b, const Crs& crs);

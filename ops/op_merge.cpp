@@ -1,44 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
 
-#include "core/merge.hpp"
+#include "core/lean_walls.hpp"
 #include "ops/heights.hpp"
-#include "ops/inputs.hpp"
 #include "ops/measure.hpp"
+#include "ops/merging.hpp"
 #include "ops/operations.hpp"
-#include "ops/parameters.hpp"
-#include "ops/seams.hpp"
 #include "ops/union_area.hpp"
 
 namespace terrane {
 namespace {
 
-struct MergeParameters {
-  Overlap overlap = Overlap::first;
-  Seam seam = Seam::wall;
-  Length z_tolerance;
+std::optional<HeightRange> median(const std::vector<std::optional<HeightRange>>& tiles) {
+  std::vector<double> low, high;
+  for (const auto& z : tiles)
+    if (z) low.push_back(z->low), high.push_back(z->high);
+  if (low.empty()) return {};
+  std::sort(low.begin(), low.end());
+  std::sort(high.begin(), high.end());
+  const std::size_t i = (low.size() - 1) / 2, j = low.size() / 2;
+  return HeightRange{low[i] + (low[j] - low[i]) / 2, high[i] + (high[j] - high[i]) / 2};
+}
 
-  void visit(Fields& f) {
-    f.choice(
-        "overlap", overlap,
-        {{"first", Overlap::first},
-         {"last", Overlap::last},
-         {"min", Overlap::min},
-         {"max", Overlap::max},
-         {"mean", Overlap::mean},
-         {"sum", Overlap::sum}},
-        "Which height holds where tiles overlap: that of the first or last tile in the order given, the lowest, the "
-        "highest, their mean, or their sum.");
-    f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
-             "What happens where heights jump at a seam: closed by vertical faces, or left open.");
-    f.length("z-tolerance", z_tolerance, {.minimum = 0}, "Jumps up to this height are closed without a wall.");
-  }
-};
+HeightRange cut_off(HeightRange z, Overlap overlap, double level) {
+  if (overlap == Overlap::max) return {std::max(z.low, level), std::max(z.high, level)};
+  return {std::min(z.low, level), std::min(z.high, level)};
+}
 
 /// Interval arithmetic on what the tiles say, one rule per policy.
-HeightFold folded(Overlap overlap) {
-  return [overlap](const std::vector<std::optional<HeightRange>>& tiles) -> std::optional<HeightRange> {
+HeightFold folded(Overlap overlap, std::optional<double> level) {
+  return [overlap, level](const std::vector<std::optional<HeightRange>>& tiles) -> std::optional<HeightRange> {
+    if (overlap == Overlap::median) return median(tiles);
     std::optional<HeightRange> result;
     int count = 0;
     for (const auto& z : tiles) {
@@ -53,40 +45,36 @@ HeightFold folded(Overlap overlap) {
       if (overlap == Overlap::sum || overlap == Overlap::mean) result = {result->low + z->low, result->high + z->high};
     }
     if (result && overlap == Overlap::mean) result = {result->low / count, result->high / count};
+    if (result && level) result = cut_off(*result, overlap, *level);
     return result;
   };
 }
 
 Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& context) {
-  std::vector<Tin> tiles;
-  std::vector<std::string> names;
-  for (Surface& s : inputs) {
-    names.push_back(s.name);
-    tiles.push_back(std::get<Tin>(s.value));
-  }
   const Crs& crs = inputs.front().crs;
-  const double tolerance = p.z_tolerance.in(crs.known() ? crs.metres_per_height_unit() : 1.0);
+  const MergeTiles tiles = merge_tiles(inputs, p, context);
   Outcome outcome;
   std::vector<const Tin*> all;
-  for (const Surface& s : inputs) all.push_back(&s.tin());
+  for (const Tin& tile : *tiles.tiles) all.push_back(&tile);
   outcome.fields = height_fields(all, context);
   outcome.expected_area = union_area(outcome.fields, context);
-  Merged merged = merge(tiles, {p.overlap, {p.seam, tolerance}}, context);
-  if (merged.surface.max_closed_jump > 0 && tolerance > 0)
-    context.warn(
-        {"jumps-closed", "", "",
-         "jumps of up to " + nlohmann::json(merged.surface.max_closed_jump).dump() + " were closed within z-tolerance",
-         ""});
-  for (const SeamPair& pair : merged.seams)
-    if (pair.bias_suspected)
-      context.warn({"bias-suspected", names[pair.b], "",
-                    "'" + names[pair.b] + "' lies " + nlohmann::json(std::fabs(pair.dz_median)).dump() + " (median) " +
-                        (pair.dz_median > 0 ? "above" : "below") + " '" + names[pair.a] +
-                        "' where they overlap, more than their scatter explains",
-                    "check their vertical datums and units"});
-  outcome.certificate["seams"] = seam_report(merged.seams, names);
-  outcome.expected_height = folded(p.overlap);
+  Merged merged = terrane::merged(tiles, crs, p, context);
+  if (outcome.expected_area) *outcome.expected_area += merged.bridged.area;
+  outcome.certificate = merge_report(tiles, merged, crs);
+  // The fields look at the tiles, which the fold keeps.
+  outcome.expected_height = [fold = folded(p.overlap, tiles.level), kept = tiles.tiles](const auto& z) {
+    return fold(z);
+  };
   outcome.rounding = merged.surface.rounding;
+  if (const double offset = plan_length(p.wall_offset, crs); offset > 0 && p.seam == Seam::wall) {
+    Leaned leaned = lean_walls(merged.surface.tin, offset, plan_metric(crs), context);
+    outcome.certificate["wall_offset"] = {{"moved", leaned.moved},
+                                          {"max_move", leaned.max_move},
+                                          {"min_offset", leaned.min_offset},
+                                          {"length_unit", length_unit(crs)}};
+    outcome.rounding->max_move = std::max(outcome.rounding->max_move, leaned.max_shift);
+    merged.surface.tin = std::move(leaned.tin);
+  }
   outcome.result = std::move(merged.surface.tin);
   return outcome;
 }
@@ -100,8 +88,9 @@ Operation merge_operation() {
        .description =
            "One TIN of any number of tiles. Where they overlap a policy decides; where they share only a border it "
            "is made conforming; islands stay apart. The seams are reported.",
-       .inputs = {{"tiles", 1, 0, false, "The tiles: TINs or rasters. Rasters on one lattice are joined first."}},
-       .intake = {.join_rasters = true, .empty_allowed = true}},
+       .inputs = {tiles_slot()},
+       .intake = {.join_rasters = true, .empty_allowed = true},
+       .check = check_merge},
       run);
 }
 

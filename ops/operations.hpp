@@ -9,6 +9,7 @@ namespace terrane {
 Operation add();
 Operation subtract();
 Operation merge_operation();
+Operation seams_operation();
 Operation volume_operation();
 Operation logic_and();
 Operation logic_or();

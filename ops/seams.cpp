@@ -5,8 +5,35 @@
 #include <cmath>
 
 #include "core/topology.hpp"
+#include "ops/measure.hpp"
 
 namespace terrane {
+
+namespace {
+
+const char* kind(const SeamPair& pair) { return pair.overlap ? "overlap" : "border"; }
+
+}  // namespace
+
+Vectors seam_lines(const Merged& merged, const std::vector<std::string>& names, const Crs& crs) {
+  Vectors lines;
+  lines.crs = crs;
+  auto pair = merged.seams.begin();
+  for (const SeamJump& jump : merged.jumps) {  // in the order of their pairs
+    while (pair->a != jump.a || pair->b != jump.b) ++pair;
+    Feature feature;
+    feature.properties = {{"a", names.at(jump.a)},
+                          {"b", names.at(jump.b)},
+                          {"kind", kind(*pair)},
+                          {"jump_start", jump.dp},
+                          {"jump_end", jump.dq},
+                          {"max_abs", std::max(std::fabs(jump.dp), std::fabs(jump.dq))},
+                          {"length", distance(jump.p, jump.q, crs)}};
+    feature.lines.push_back({{jump.p.x, jump.p.y, NAN}, {jump.q.x, jump.q.y, NAN}});
+    lines.features.push_back(std::move(feature));
+  }
+  return lines;
+}
 
 nlohmann::json seam_report(const std::vector<SeamPair>& pairs, const std::vector<std::string>& names) {
   nlohmann::json list = nlohmann::json::array();
@@ -17,7 +44,7 @@ nlohmann::json seam_report(const std::vector<SeamPair>& pairs, const std::vector
                  {"dz_rmse", p.dz_rmse},         {"dz_nmad", p.dz_nmad}, {"dz_p95_abs", p.dz_p95_abs}};
     list.push_back({{"a", names.at(p.a)},
                     {"b", names.at(p.b)},
-                    {"kind", p.overlap ? "overlap" : "border"},
+                    {"kind", kind(p)},
                     {"overlap", overlap},
                     {"jump",
                      {{"count", p.jump_count},
