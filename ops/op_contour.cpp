@@ -106,7 +106,8 @@ Operation contour() {
                       "at a level has its outline, the border of the domain is none, a wall gives its line in plan.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
        .result = ResultKind::vectors,
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"interval", "5"}}}},
       run);
 }
 

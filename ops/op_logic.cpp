@@ -118,7 +118,8 @@ Operation logic(const char* id, const char* title, const char* what) {
                       "surface with other heights is refused: 'threshold' makes it binary.",
        .inputs = {{"a", 1, 1, false, "The first binary surface: level areas at two heights, joined by walls."},
                   {"b", 1, 1, false, "The second one."}},
-       .check = check},
+       .check = check,
+       .example = {.files = {"a.obj", "b.obj"}}},
       +[](std::vector<Surface>& inputs, const LogicParameters& p, Context& context) {
         return combined(inputs, p, {both_false, one_true, one_true, both_true}, context);
       });

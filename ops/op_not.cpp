@@ -44,7 +44,8 @@ Operation logic_not() {
        .description =
            "Every height z becomes z-false + z-true - z. Any surface will do: of one that is not binary it is the "
            "negative. Binary surfaces at other levels are brought to z-false and z-true by 'threshold' first.",
-       .inputs = {{"a", 1, 1, false, "The surface: a TIN or a raster."}}},
+       .inputs = {{"a", 1, 1, false, "The surface: a TIN or a raster."}},
+       .example = {.files = {"a.obj"}}},
       run);
 }
 

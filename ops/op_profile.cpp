@@ -234,7 +234,8 @@ Operation profile() {
        .inputs = {{"surface", 1, 0, false, "The surfaces: TINs or rasters."}},
        .output_formats = {"csv", "geojson", "png"},
        .result = ResultKind::table,
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"line", "500000,4400100;500390,4400150"}}}},
       run);
 }
 

@@ -101,7 +101,8 @@ Operation quantize() {
            "Terraces joined by walls: every place is lowered to the level at or below it, {L[i] <= z < L[i + 1]} to "
            "L[i]; what lies below the first of given levels is raised to it. Faces are cut exactly at the levels.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"interval", "5"}}}},
       run);
 }
 

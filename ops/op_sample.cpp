@@ -175,7 +175,8 @@ Operation sample() {
        .inputs = {{"surface", 1, 0, false, "The surfaces: TINs or rasters."}},
        .output_formats = {"csv", "geojson"},
        .result = ResultKind::table,
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"points", "500100,4400100;500150,4400150"}}}},
       run);
 }
 

@@ -92,7 +92,8 @@ Operation simplify_operation() {
                                                        "walls and jumps stay. A raster is taken with all its samples.",
                                         .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
                                         .intake = {.every_sample = true},
-                                        .check = check},
+                                        .check = check,
+       .example = {.parameters = {{"max-error", "0.5"}}}},
                                        run);
 }
 

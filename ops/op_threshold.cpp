@@ -81,7 +81,8 @@ Operation threshold() {
            "Faces are cut exactly at the level; the areas are triangulated anew, with no more points than their "
            "borders need.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"level", "110"}}}},
       run);
 }
 

@@ -49,7 +49,8 @@ Operation transform_operation() {
            "The surface in another coordinate reference system (target-crs), with the planarity error this causes "
            "(straight edges bend); or with its heights scaled and shifted.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."}},
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"target-crs", "EPSG:4326"}}}},
       run);
 }
 

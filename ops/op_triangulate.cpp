@@ -106,7 +106,8 @@ Operation triangulate_operation() {
        .inputs = {{"dem", 0, 1, false, "The raster: GeoTIFF, HGT or ASCII grid; or points."},
                   {"points", 0, 1, false, "The points: a table (XYZ, CSV), or LAS."}},
        .intake = {.raster_only = true, .points_allowed = true},
-       .check = check},
+       .check = check,
+       .example = {.files = {"west.tif"}, .parameters = {{"max-error", "0.5"}}}},
       run);
 }
 

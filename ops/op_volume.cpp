@@ -83,7 +83,8 @@ Operation volume_operation() {
                    "through the surface's own border (for stockpiles).",
                    "boundary"}},
        .result = ResultKind::table,
-       .check = check},
+       .check = check,
+       .example = {.files = {"west.tif", "east.tif"}}},
       run);
 }
 

@@ -58,11 +58,7 @@ Json example_inputs(const Operation& operation) {
     inputs[slot.name] = slot.max_occurs == 1 ? value : Json::array({value});
     lift -= 3;
   }
-  if (operation.id == "threshold") inputs["level"] = 12;
-  if (operation.id == "quantize") inputs["interval"] = 2;
-  if (operation.id == "simplify") inputs["max-error"] = 2;
-  if (operation.id == "contour") inputs["interval"] = 2;
-  if (operation.id == "transform") inputs["target-crs"] = "EPSG:4326";
+  for (const auto& [name, value] : operation.example.parameters) inputs[name] = value;
   return {{"inputs", inputs}};
 }
 
@@ -184,14 +180,14 @@ Json schemas() {
 }  // namespace
 
 nlohmann::json openapi() {
-  Json paths = {{"/", get("landing", "What this service offers.", reference("landingPage"))},
-                {"/conformance", get("conformance", "The conformance classes that are met.", reference("confClasses"))},
-                {"/processes", get("processes", "Every operation.", reference("processList"))},
-                {"/health", get("health", "Whether the service is alive.", {{"type", "object"}})},
-                {"/ready", get("ready", "Whether the service takes work.", {{"type", "object"}})},
-                {"/reports/{id}",
-                 get("report", "A certificate, kept for a while after its result.", {{"type", "object"}}, true)},
-                {"/openapi.json", get("openapi", "This document.", {{"type", "object"}})}};
+  Json paths = {
+      {"/", get("landing", "What this service offers.", reference("landingPage"))},
+      {"/conformance", get("conformance", "The conformance classes that are met.", reference("confClasses"))},
+      {"/processes", get("processes", "Every operation.", reference("processList"))},
+      {"/health", get("health", "Whether the service is alive.", {{"type", "object"}})},
+      {"/ready", get("ready", "Whether the service takes work.", {{"type", "object"}})},
+      {"/reports/{id}", get("report", "A certificate, kept for a while after its result.", {{"type", "object"}}, true)},
+      {"/openapi.json", get("openapi", "This document.", {{"type", "object"}})}};
   Json ids = Json::array();
   for (const Operation& operation : catalogue()) ids.push_back(operation.id);
   paths["/processes/{id}"] =

@@ -85,6 +85,13 @@ struct Intake {
   bool every_sample = false;  // of a raster becomes a vertex: max-error is about what the operation does
 };
 
+/// One request of each operation, for the reference (where a test runs it) and for OpenAPI.
+struct Example {
+  /// For each input in order; left out: the DEMs west.tif and east.tif, which overlap. Logic has a.obj and b.obj.
+  std::vector<std::string> files = {};
+  std::vector<std::pair<std::string, std::string>> parameters = {};
+};
+
 struct Operation {
   std::string id = {}, title = {}, description = {};
   std::vector<InputSlot> inputs = {};
@@ -98,6 +105,8 @@ struct Operation {
   std::function<void(const nlohmann::json& parameters, const std::vector<InputPart>& inputs)> check = {};
   /// The kind of result where parameters change it (validate with repair); null: always `result`.
   std::function<ResultKind(const nlohmann::json& parameters)> result_with = {};
+
+  Example example = {};
 
   ResultKind kind(const nlohmann::json& values) const { return result_with ? result_with(values) : result; }
 };

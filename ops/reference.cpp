@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "ops/operation.hpp"
 
 // docs/reference.md, made from the catalogue.
@@ -8,14 +10,30 @@ namespace {
 std::string type_word(const Parameter& p) {
   std::string text;
   switch (p.type) {
-    case Parameter::Type::number: text = "number"; break;
-    case Parameter::Type::integer: text = "whole number"; break;
-    case Parameter::Type::boolean: text = "true or false"; break;
-    case Parameter::Type::text: text = "text"; break;
-    case Parameter::Type::crs: text = "CRS"; break;
-    case Parameter::Type::length: text = "length"; break;
-    case Parameter::Type::numbers: text = "numbers, or from:to:step"; break;
-    case Parameter::Type::vectors: text = "vectors"; break;
+    case Parameter::Type::number:
+      text = "number";
+      break;
+    case Parameter::Type::integer:
+      text = "whole number";
+      break;
+    case Parameter::Type::boolean:
+      text = "true or false";
+      break;
+    case Parameter::Type::text:
+      text = "text";
+      break;
+    case Parameter::Type::crs:
+      text = "CRS";
+      break;
+    case Parameter::Type::length:
+      text = "length";
+      break;
+    case Parameter::Type::numbers:
+      text = "numbers, or from:to:step";
+      break;
+    case Parameter::Type::vectors:
+      text = "vectors";
+      break;
     case Parameter::Type::choice:
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
@@ -57,6 +75,45 @@ std::string usage(const Operation& operation) {
   return text + " [--parameter VALUE]… -o OUTPUT";
 }
 
+/// A text as one word of the shell.
+std::string quoted(const std::string& text) {
+  const bool plain = text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789=@.,:/-_") ==
+                     std::string::npos;
+  return plain ? text : "'" + text + "'";
+}
+
+/// The files of an example, by the input they are for.
+std::vector<std::pair<std::string, std::string>> example_files(const Operation& operation) {
+  std::vector<std::pair<std::string, std::string>> files;
+  if (!operation.example.files.empty()) {
+    for (std::size_t i = 0; i < operation.example.files.size(); ++i)
+      files.emplace_back(operation.inputs[std::min(i, operation.inputs.size() - 1)].name, operation.example.files[i]);
+    return files;
+  }
+  const auto add = [&](const InputSlot& slot) {
+    files.emplace_back(slot.name, files.empty() ? "west.tif" : "east.tif");
+  };
+  for (const InputSlot& slot : operation.inputs)
+    if (slot.min_occurs > 0) add(slot);
+  if (files.size() == 1 && operation.inputs.front().max_occurs == 0) add(operation.inputs.front());
+  return files;
+}
+
+/// Of the formats the one that most programs read.
+std::string example_format(const Operation& operation) {
+  const auto& words = operation.output_formats;
+  return std::find(words.begin(), words.end(), "obj") != words.end() ? "obj" : words.front();
+}
+
+std::string example(const Operation& operation) {
+  std::string text = "```sh test\ncurl -fsS";
+  for (const auto& [slot, file] : example_files(operation)) text += " -F " + slot + "=@" + file;
+  for (const auto& [name, value] : operation.example.parameters) text += " --form-string " + quoted(name + "=" + value);
+  const std::string format = example_format(operation);
+  return text + " 'http://localhost:8080/processes/" + operation.id + "/execution?f=" + format + "' -o " +
+         operation.id + "." + format + "\n```\n\n";
+}
+
 std::string section(const Operation& operation) {
   std::string text = "## " + operation.id + "\n\n" + operation.title + ". " + operation.description + "\n\n```\n" +
                      usage(operation) + "\n```\n\n| input | | |\n|---|---|---|\n";
@@ -67,7 +124,7 @@ std::string section(const Operation& operation) {
   text += "Returns";
   for (std::size_t i = 0; i < operation.output_formats.size(); ++i)
     text += (i ? ", `" : " `") + operation.output_formats[i] + "`";
-  return text + " (the first unless asked otherwise).\n\n";
+  return text + " (the first unless asked otherwise).\n\n" + example(operation);
 }
 
 std::string format_table() {
@@ -94,6 +151,9 @@ GeoPackage, a zipped Shapefile, DXF; or they are written out, as WKT or as coord
 and
 latitude unless it carries a `crs` member; of other files the CRS they declare counts, and of what declares none that of
 the result, unless a parameter such as `region-crs` says it.
+
+The examples send files to a service that runs here (`terrane serve`): `west.tif` and `east.tif` are DEMs that overlap,
+`a.obj` and `b.obj` surfaces that are level at 0 and 255 with walls between, as `threshold` makes them.
 
 Choices that are made here where others are possible:
 

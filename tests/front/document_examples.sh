@@ -1,9 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Runs every ```sh block of README.md whose fence says "test", in order, in one folder that holds west.tif and east.tif,
-# with the service running. Usage: readme_examples.sh ROOT TERRANE
+# Runs every ```sh block of a document whose fence says "test", in order, in one folder that holds west.tif, east.tif, and
+# the binary surfaces a.obj and b.obj, with the service running. Usage: document_examples.sh DOCUMENT TERRANE
 set -euo pipefail
-root=$1 terrane=$2
+document=$1 terrane=$2
 for tool in gdal_translate curl jq; do
   command -v $tool >/dev/null || { echo "SKIPPED: $tool is not installed"; exit 77; }
 done
@@ -28,6 +28,8 @@ tile() { # tile NAME EASTING BASE: 40 x 30 samples of 10 m with a hill; neighbou
 }
 tile west 500000 100
 tile east 500300 100.5
+"$terrane" threshold west.tif --level 110 -o a.obj --quiet
+"$terrane" threshold west.tif --level 120 -o b.obj --quiet
 
 "$terrane" serve --port 0 --data "$work/data" >"$work/address" 2>"$work/log" &
 service=$!
@@ -39,16 +41,17 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 
-awk '/^```sh test/ {inside = 1; ++n; next} /^```/ {inside = 0} inside {print > ("block-" n ".sh")}' "$root/README.md"
+awk '/^```sh test/ {inside = 1; ++n; next} /^```/ {inside = 0} inside {print > ("block-" n ".sh")}' "$document"
 count=$(find . -name 'block-*.sh' | wc -l)
-[ "$count" -ge 2 ] || { echo "README.md has $count examples marked for the test"; exit 1; }
+[ "$count" -ge 2 ] || { echo "$document has $count examples marked for the test"; exit 1; }
 for i in $(seq "$count"); do
   sed -i "s#http://localhost:8080#$base#g" "block-$i.sh"
   echo "--- example $i"
   cat "block-$i.sh"
   PATH=$work/bin:$PATH bash -euo pipefail "block-$i.sh" || { echo "example $i failed"; exit 1; }
 done
-for result in merged.obj difference.obj volume.json; do
+# What an example says it makes is there, and not empty.
+for result in $(sed -n 's/.* -o \([^ ]*\).*/\1/p' block-*.sh); do
   [ -s "$result" ] || { echo "the examples made no $result"; exit 1; }
 done
-echo "$count examples of README.md ran"
+echo "$count examples of $document ran"
