@@ -57,7 +57,7 @@ class Builder {
 
   /// Does a place of B leave a trace? In a paste only those outside A and on its border do.
   bool kept(const Location& in_a) const {
-    if (refinement_ == Refinement::full) return true;
+    if (refinement_ != Refinement::paste) return true;
     if (in_a.kind == Location::face) return !mesh(0).real(in_a.index);
     return mesh(0).sides[mesh(0).edge_of(in_a.index)] < 2;
   }

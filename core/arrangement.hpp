@@ -141,7 +141,8 @@ struct Arrangement {
 };
 
 /// Builds the arrangement. `b_in_a[j]`: where place j of B lies in A. With Refinement::paste what lies inside A leaves
-/// no trace, and edges inside A are not followed. O(n + crossings) expected; the same result for any number of threads.
+/// no trace, and edges inside A are not followed; with Refinement::outline crossings with B's inner edges leave none.
+/// O(n + crossings) expected; the same result for any number of threads.
 Arrangement arrange(const CompletedMesh& a, const CompletedMesh& b, Array<Location> b_in_a, Refinement refinement,
                     Context& context);
 

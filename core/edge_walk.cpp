@@ -30,6 +30,7 @@ class EdgeWalk {
         a_(*arrangement.mesh[0]),
         b_(*arrangement.mesh[1]),
         paste_(refinement == Refinement::paste),
+        traced_(refinement == Refinement::outline ? 1 : 3),
         range_(range),
         most_(most),
         first_vertex_(range.first_vertex),
@@ -301,7 +302,8 @@ class EdgeWalk {
     out_.along_b[crossing_count_++] = static_cast<float>(along_b[near ^ against]);
     const std::size_t node = node_count_;
     push(Node(static_cast<Node::Kind>(against), edge >> 1));  // leftward is 0, rightward 1
-    if (!line.leaves_trace || !(b_.real(gate.half >> 2) || b_.real(g >> 2))) return g;
+    const int real = static_cast<int>(b_.real(gate.half >> 2)) + static_cast<int>(b_.real(g >> 2));
+    if (!line.leaves_trace || !(real & traced_)) return g;
     const Point2 at = crossing_point(line.start, line.goal, gate.at[near], gate.at[1 - near], t);
     const double z = b_.z[gate.place[near]];
     const std::size_t v = vertex_count_++;
@@ -317,6 +319,7 @@ class EdgeWalk {
   const Context& context_;
   const CompletedMesh &a_, &b_;
   bool paste_;
+  int traced_;  // edges of B with as many real sides leave a trace: bit 0 one, bit 1 two
   WalkRange range_;
   std::size_t most_;
   Walked out_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -18,6 +19,7 @@
 #include "core/rounding.hpp"
 #include "core/shared_faces.hpp"
 #include "core/snapping.hpp"
+#include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
@@ -38,8 +40,11 @@ Prepared prepare(const Tin& a, const Tin& b, double snap, Context& context) {
 /// Which region is at home at a place, for those that stand for the outside of an input.
 class HomeRegions {
  public:
-  HomeRegions(const Arrangement& arrangement, const Array<std::array<Index, 2>>& regions, bool pasted)
-      : arrangement_(arrangement), regions_(regions), pasted_(pasted) {}
+  HomeRegions(const Arrangement& arrangement, const Array<std::array<Index, 2>>& regions, Refinement refinement)
+      : arrangement_(arrangement),
+        regions_(regions),
+        pasted_(refinement == Refinement::paste),
+        outline_(refinement == Refinement::outline) {}
 
   /// `region`, unless an input that it leaves out has a face around p: then the region of the faces that p lies in.
   Index operator()(Index region, Point2 p) {
@@ -50,7 +55,7 @@ class HomeRegions {
       const CompletedMesh& mesh = *arrangement_.mesh[m];
       const Location where = locate(mesh, p, last_[m]);
       last_[m] = face_at(mesh, where);
-      if (where.kind == Location::face && mesh.real(where.index)) home[m] = where.index;
+      if (where.kind == Location::face && mesh.real(where.index)) home[m] = m == 1 && outline_ ? 0 : where.index;
     }
     if ((own[0] == none) == (home[0] == none) && (own[1] == none) == (home[1] == none)) return region;
     if (pasted_ && home[0] != none) home[1] = none;
@@ -72,15 +77,29 @@ class HomeRegions {
 
   const Arrangement& arrangement_;
   const Array<std::array<Index, 2>>& regions_;
-  bool pasted_;
+  bool pasted_, outline_;
   Index last_[2] = {0, 0};     // the faces around the last place, where the next one is looked for first
   std::vector<Index> sorted_;  // by their parents; made when first needed
 };
 
+/// How far a place lies from a mesh that is one area: 0 inside. O(border).
+double distance_to_area(const CompletedMesh& mesh, Point2 p) {
+  if (mesh.real(face_at(mesh, locate(mesh, p, 0)))) return 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index e = 0; e < mesh.edges(); ++e) {
+    const Index h = mesh.half[e];
+    if (mesh.sides[e] != 1 || mesh.twin(h) == none) continue;
+    double d;
+    nearest_on_segment(mesh.at(mesh.origin(h)), mesh.at(mesh.target(h)), p, d);
+    least = std::min(least, d);
+  }
+  return least;
+}
+
 /// Makes every face positive on its doubles. Faces keep their parents' order no longer; `relabelled` lists those whose
 /// corners or parents changed.
 void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& points, const FaceHeights (&heights)[2],
-          bool pasted, RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
+          Refinement refinement, RoundingReport& report, Context& context, std::vector<Index>& relabelled) {
   Array<std::array<Index, 2>> regions;  // faces of a region are consecutive
   PlanarMesh mesh{std::move(points), std::move(work.faces), {}, {}};
   mesh.labels.resize(mesh.faces.size());
@@ -97,14 +116,16 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
     double d = 0;
     for (int m = 0; region != none && m < 2; ++m) {
       const Index f = regions[region][m];
-      if (f != none)
+      if (f != none && m == 1 && refinement == Refinement::outline)
+        d = std::max(d, distance_to_area(*arrangement.mesh[1], p));
+      else if (f != none)
         d = std::max(d, heights[m].distance(f, p));
-      else if (m == 0 || !pasted)
+      else if (m == 0 || refinement != Refinement::paste)
         d = std::max(d, depth[m].at(p, reach));
     }
     return d;
   };
-  HomeRegions at_home(arrangement, regions, pasted);
+  HomeRegions at_home(arrangement, regions, refinement);
   const Rounded rounded = round_and_verify(
       mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance, std::ref(at_home));
   report.max_move = std::max(report.max_move, rounded.report.max_move);
@@ -182,8 +203,7 @@ Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Contex
   const bool mended = !work.all_positive;
   as_given = !mended && prepared.b.count == 0;
   if (mended) {
-    mend(arrangement, work, points, heights, options.refinement == Refinement::paste, result.rounding, context,
-         relabelled);
+    mend(arrangement, work, points, heights, options.refinement, result.rounding, context, relabelled);
     vertex = used_vertices(work, points.size());
   } else {
     result.rounding.max_spill = result.rounding.max_move + result.rounding.max_snap;
@@ -193,7 +213,8 @@ Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Contex
   }
   context.progress("overlay", 0.9);
 
-  for (int m = 0; m < 2; ++m) {
+  const int surfaces = options.refinement == Refinement::outline ? 1 : 2;  // an outline has no heights
+  for (int m = 0; m < surfaces; ++m) {
     result.per_corner[m] = arrangement.mesh[m]->jumps;
     Array<double>& z = result.heights[m];
     const auto in_face = [&](std::size_t f, int k) {
@@ -224,10 +245,10 @@ Overlay refine(const Tin& a, const Tin& b, const OverlayOptions& options, Contex
     for (std::size_t i = 0; i < vertex.size(); ++i) number[vertex[i]] = static_cast<Index>(i);
     for (Face& f : work.faces) f = {number[f[0]], number[f[1]], number[f[2]]};
     keep(points, vertex);
-    for (int m = 0; m < 2; ++m)
+    for (int m = 0; m < surfaces; ++m)
       if (!result.per_corner[m]) keep(result.heights[m], vertex);
   }
-  for (int m = 0; m < 2; ++m) {
+  for (int m = 0; m < surfaces; ++m) {
     const CompletedMesh& mesh = *arrangement.mesh[m];
     if (mesh.face_in_tin.empty()) continue;
     for (std::array<Index, 2>& parents : work.parents)

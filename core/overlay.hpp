@@ -13,7 +13,8 @@ namespace terrane {
 
 enum class Refinement {
   full,  // faces of A and B cut each other wherever both exist
-  paste  // A covers B: faces of A stay whole but for vertices of B on A's border; B is cut away under A
+  paste,  // A covers B: faces of A stay whole but for vertices of B on A's border; B is cut away under A
+  outline  // B is one area: its border cuts A's faces, its inner edges do not
 };
 
 struct OverlayOptions {
@@ -40,9 +41,10 @@ struct RoundingReport {
 struct Overlay {
   Array<Point2> points;                 // each place once
   Array<Face> faces;                    // counter-clockwise, all strictly positive; they cover the union of the domains
-  Array<std::array<Index, 2>> parents;  // the face of A and of B that a face lies on; `none` outside that domain
+  /// The face of A and of B that a face lies on; `none` outside that domain. With Refinement::outline 0 inside B.
+  Array<std::array<Index, 2>> parents;
   /// Heights of A and B: one per point where the input is continuous, else one per corner (3 * face + corner).
-  /// Meaningless where the face has no such parent.
+  /// Meaningless where the face has no such parent. With Refinement::outline B has none.
   std::array<Array<double>, 2> heights;
   std::array<bool, 2> per_corner = {false, false};
   RoundingReport rounding;

@@ -18,7 +18,7 @@ class GroupFiller {
  public:
   GroupFiller(const Arrangement& arrangement, Refinement refinement, bool exactly, Traced& sink)
       : arrangement_(arrangement),
-        groups_(arrangement),
+        groups_(arrangement, refinement),
         exactly_(exactly),
         sink_(sink),
         tracer_(arrangement, refinement, {}, sink) {}
@@ -34,9 +34,9 @@ class GroupFiller {
       const auto [a, b] = groups_.parents(group);
       if (group == groups_.exterior) exterior = sink_.count;
       if (a != none && only[0])
-        tracer_.whole(0, a);
-      else if (b != none && only[1])
-        tracer_.whole(1, b);
+        tracer_.whole(0, a, {a, b});
+      else if (b != none && only[1] && !groups_.outline)
+        tracer_.whole(1, b, {a, b});
       else
         fill(group, grouped.subspan(i, j - i));
       i = j;

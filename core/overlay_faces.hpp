@@ -19,7 +19,8 @@ struct OverlayFaces {
 
 /// Regions inside both domains are triangulated as they are. Ghost edges are no edges of the result: what lies outside
 /// one domain is put together again per face of the other and triangulated as a polygon with holes; the exterior
-/// likewise. With Refinement::paste B leaves no trace inside A but its vertices on A's border. What is put together is
+/// likewise. With Refinement::paste B leaves no trace inside A but its vertices on A's border; with Refinement::outline
+/// B's inner edges are treated as ghost edges are, and its faces as one, number 0. What is put together is
 /// first triangulated on the doubles, and, when a face is not positive then, at the exact places, which costs
 /// microseconds per vertex: on the doubles two polygons could claim one diagonal. The same for any number of threads.
 OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, Context& context);

@@ -8,7 +8,7 @@
 namespace terrane {
 
 void RegionTracer::face_of_a(Index f) {
-  if (paste_ && a_.real(f)) return whole(0, f);
+  if (paste_ && a_.real(f)) return whole(0, f, {f, none});
   const Lines& lines = arrangement_.lines[0];
   Index under = none;
   bool plain = true;
@@ -18,7 +18,7 @@ void RegionTracer::face_of_a(Index f) {
     plain = lines.pieces(a_.edge_of(h)) == 1 && (k == 0 || face == under);
     under = face;
   }
-  if (plain && a_.real(f)) return emit_convex(f, b_.real(under) ? under : none, corners_of(a_, 0, f), {});
+  if (plain && a_.real(f)) return emit_convex(f, parent_in_b(under), corners_of(a_, 0, f), {});
   if (plain) {
     for (int k = 0; k < 3; ++k) group(f, under, arrangement_.leaving(0, 4 * f + k));
     return;
@@ -45,11 +45,11 @@ void RegionTracer::face_of_b(Index g) {
   }
   if (paste_ && a_.real(f)) return;
   const Index in_a = a_.real(f) ? f : none, in_b = b_.real(g) ? g : none;
-  if (in_b != none) return emit_convex(in_a, in_b, corners_of(b_, 1, g), {});
+  if (in_b != none && !outline_) return emit_convex(in_a, in_b, corners_of(b_, 1, g), {});
   for (int k = 0; k < 3; ++k) group(f, g, arrangement_.leaving(1, 4 * g + k));
 }
 
-void RegionTracer::whole(int m, Index f) {
+void RegionTracer::whole(int m, Index f, std::array<Index, 2> parents) {
   const CompletedMesh& mesh = *arrangement_.mesh[m];
   const Lines& lines = arrangement_.lines[m];
   whole_corners_.clear();
@@ -66,7 +66,7 @@ void RegionTracer::whole(int m, Index f) {
       whole_straight_.push_back(true);
     }
   }
-  emit_convex(m == 0 ? f : none, m == 1 ? f : none, whole_corners_, whole_straight_);
+  emit_convex(parents[0], parents[1], whole_corners_, whole_straight_);
 }
 
 std::array<Index, 3> RegionTracer::corners_of(const CompletedMesh& mesh, int m, Index f) const {
@@ -76,7 +76,7 @@ std::array<Index, 3> RegionTracer::corners_of(const CompletedMesh& mesh, int m, 
 
 void RegionTracer::trace(Index f, const Piece& start) {
   const Index g = arrangement_.face_of_b(start.at, start.direction);
-  if (a_.real(f) && b_.real(g)) return trace_in_both(f, g, start);
+  if (a_.real(f) && b_.real(g) && !outline_) return trace_in_both(f, g, start);
   Piece piece = start;
   do {
     visit(piece);
@@ -157,9 +157,11 @@ Index RegionTracer::edge_of(int m, Index f, const Piece& piece) const {
 }
 
 void RegionTracer::group(Index f, Index g, const Piece& piece) {
-  bool significant = arrangement_.mesh[piece.mesh]->sides[edge_of(piece.mesh, piece.mesh == 0 ? f : g, piece)] > 0;
+  const auto border_of_b = [&](Index e) { return outline_ ? b_.sides[e] == 1 : b_.sides[e] > 0; };
+  const Index e = edge_of(piece.mesh, piece.mesh == 0 ? f : g, piece);
+  bool significant = piece.mesh == 0 ? a_.sides[e] > 0 : border_of_b(e);
   if (!significant && piece.mesh == 0 && arrangement_.under[piece.at] < 0)
-    significant = b_.sides[b_.edge_of(~arrangement_.under[piece.at])] > 0;
+    significant = border_of_b(b_.edge_of(~arrangement_.under[piece.at]));
   if (significant) sink_.grouped.push_back({groups_.of(a_.real(f) ? f : none, b_.real(g) ? g : none), piece});
 }
 

@@ -49,15 +49,24 @@ struct Traced {
   }
 };
 
-/// Groups: a face of A without B is its number, a face of B without A comes after those, then the exterior.
+/// Groups: a face of A without B is its number, a face of B without A comes after those, then the exterior. With
+/// Refinement::outline B is one face, 0, and what a face of A has in common with it is a group as well.
 struct Groups {
+  bool outline;
   Index faces_of_a, exterior;
-  explicit Groups(const Arrangement& arrangement)
-      : faces_of_a(arrangement.mesh[0]->faces()), exterior(faces_of_a + arrangement.mesh[1]->faces()) {}
-  Index of(Index a, Index b) const { return a != none ? a : b != none ? faces_of_a + b : exterior; }
+  Groups(const Arrangement& arrangement, Refinement refinement)
+      : outline(refinement == Refinement::outline),
+        faces_of_a(arrangement.mesh[0]->faces()),
+        exterior(faces_of_a + (outline ? faces_of_a + 1 : arrangement.mesh[1]->faces())) {}
+  Index of(Index a, Index b) const {
+    if (a == none) return b == none ? exterior : outline ? exterior - 1 : faces_of_a + b;
+    return outline && b != none ? faces_of_a + a : a;
+  }
   std::array<Index, 2> parents(Index group) const {
     if (group < faces_of_a) return {group, none};
-    return {none, group < exterior ? group - faces_of_a : none};
+    if (group == exterior) return {none, none};
+    if (!outline) return {none, group - faces_of_a};
+    return {group == exterior - 1 ? none : group - faces_of_a, 0};
   }
 };
 
@@ -68,8 +77,9 @@ class RegionTracer {
       : arrangement_(arrangement),
         a_(*arrangement.mesh[0]),
         b_(*arrangement.mesh[1]),
-        groups_(arrangement),
+        groups_(arrangement, refinement),
         paste_(refinement == Refinement::paste),
+        outline_(refinement == Refinement::outline),
         visited_(visited),
         points_(arrangement.points.data()),
         sink_(sink) {
@@ -85,10 +95,13 @@ class RegionTracer {
   void face_of_b(Index g);
 
   /// A whole face of m, with the vertices of the other mesh that stay on its edges.
-  void whole(int m, Index f);
+  void whole(int m, Index f, std::array<Index, 2> parents);
 
  private:
   std::array<Index, 3> corners_of(const CompletedMesh& mesh, int m, Index f) const;
+
+  /// What a face of B is as a parent.
+  Index parent_in_b(Index g) const { return !b_.real(g) ? none : outline_ ? 0 : g; }
 
   /// Follows the border of the region to the left of a piece of face f of A.
   void trace(Index f, const Piece& start);
@@ -109,7 +122,7 @@ class RegionTracer {
   const Arrangement& arrangement_;
   const CompletedMesh &a_, &b_;
   Groups groups_;
-  bool paste_;
+  bool paste_, outline_;
   std::span<std::uint8_t> visited_;
   const Point2* points_;
   struct Side {
