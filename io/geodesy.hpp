@@ -75,6 +75,11 @@ double scale_factor(const Crs& crs, Point2 at);
 /// Error{input, "outside-crs"} for a latitude beyond 90.
 double line_length(const Crs& crs, Point2 a, Point2 b);
 
+/// The places that lie so many metres east and north of `from`, each along the geodesic in that direction; longitudes
+/// within 180 degrees of it. Precondition: the CRS is geographic. Throws Error{usage, "outside-crs"} where a pole or a
+/// latitude beyond it is in the way.
+std::vector<Point2> places_around(const Crs& crs, Point2 from, const std::vector<Point2>& offsets);
+
 /// A CRS that would suit tiles in these boxes and CRSs: a UTM zone, or a Lambert azimuthal equal-area around them.
 Crs suggest_crs(const std::vector<Box>& boxes, const std::vector<Crs>& crs);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/UTMUPS.hpp>
 
 #include "core/error.hpp"
@@ -65,6 +66,26 @@ std::vector<double> unwrap_longitudes(const std::vector<Box>& boxes) {
     if (!move_west && k >= cut) shifts[spans[k].box] -= 360;
   }
   return shifts;
+}
+
+std::vector<Point2> places_around(const Crs& crs, Point2 from, const std::vector<Point2>& offsets) {
+  const Crs::Impl& impl = crs.inside();
+  const GeographicLib::Geodesic geodesic(impl.semi_major,
+                                         impl.inverse_flattening == 0 ? 0 : 1 / impl.inverse_flattening);
+  double farthest = 0;
+  for (const Point2 o : offsets) farthest = std::max(farthest, std::hypot(o.x, o.y));
+  constexpr double metres_per_degree = 110'000;  // at least, along a meridian
+  if (!(std::fabs(from.y) + farthest / metres_per_degree < 90) || !(std::fabs(from.x) <= 540))
+    throw Error(ErrorKind::usage, "outside-crs",
+                "what lies around that centre reaches a pole, or the centre is no longitude and latitude");
+  std::vector<Point2> places;
+  for (const Point2 o : offsets) {
+    double latitude, longitude;
+    geodesic.Direct(from.y, from.x, std::atan2(o.x, o.y) * 180 / 3.14159265358979323846, std::hypot(o.x, o.y), latitude,
+                    longitude);
+    places.push_back({longitude + 360 * std::round((from.x - longitude) / 360), latitude});
+  }
+  return places;
 }
 
 namespace {

@@ -70,6 +70,7 @@ struct Outcome;  // what run returns: a TIN with its report parts, a picture, or
 struct Values {
   nlohmann::json plain;                    // by name, defaults filled in; of vectors what the certificate says of them
   std::map<std::string, Vectors> vectors;  // decoded and in the frame's CRS
+  Crs crs = {};                            // the frame's
 };
 
 /// What kind of thing an operation returns, which decides the formats it can have unless it lists them itself.

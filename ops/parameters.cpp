@@ -183,6 +183,14 @@ void Fields::number(const char* name, double& field, Bounds bounds, const char* 
     field = value->get<double>();
 }
 
+void Fields::number(const char* name, std::optional<double>& field, Bounds bounds, const char* unit,
+                    const char* sentence) {
+  if (described_)
+    describe({name, Parameter::Type::number, nullptr, bounds.minimum, bounds.maximum, {}, unit, sentence});
+  else if (const auto* value = find(name))
+    field = value->get<double>();
+}
+
 void Fields::integer(const char* name, std::optional<long>& field, Bounds bounds, const char* sentence) {
   if (described_)
     describe({name,

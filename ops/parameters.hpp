@@ -45,6 +45,7 @@ class Fields {
       : values_(&values), vectors_(vectors) {}
 
   void number(const char* name, double& field, Bounds bounds, const char* unit, const char* sentence);
+  void number(const char* name, std::optional<double>& field, Bounds bounds, const char* unit, const char* sentence);
   void integer(const char* name, std::optional<long>& field, Bounds bounds, const char* sentence);
   void integer(const char* name, long& field, Bounds bounds, const char* sentence);
   void boolean(const char* name, bool& field, const char* sentence);
@@ -106,6 +107,17 @@ Operation operation(Operation description, Outcome (*run)(std::vector<Surface>&,
   description.parameters = described<P>();
   description.run = [run](std::vector<Surface>& inputs, const Values& values, Context& context) {
     return run(inputs, filled<P>(values.plain, &values.vectors), context);
+  };
+  if (description.output_formats.empty()) description.output_formats = formats_of(description.result);
+  return description;
+}
+
+/// The same for a run that makes its result from nothing, in the CRS that was asked for.
+template <class P>
+Operation operation(Operation description, Outcome (*run)(std::vector<Surface>&, const P&, const Crs&, Context&)) {
+  description.parameters = described<P>();
+  description.run = [run](std::vector<Surface>& inputs, const Values& values, Context& context) {
+    return run(inputs, filled<P>(values.plain, &values.vectors), values.crs, context);
   };
   if (description.output_formats.empty()) description.output_formats = formats_of(description.result);
   return description;

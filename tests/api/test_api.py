@@ -225,6 +225,34 @@ class Executions(unittest.TestCase):
         self.assertEqual(table.status, 200)
         self.assertTrue(table.media_type.startswith("text/csv"))
 
+    def test_a_region_of_interest(self):
+        inputs = {"surface": square_tin(0, 0, 100, 10, 4), "bbox": [20, 30, 70, 90], **UTM}
+        inside = service.post_json("clip", {"inputs": inputs}, "?f=obj")
+        self.assertEqual(inside.status, 200, inside.body)
+        self.assertAlmostEqual(plan_area(*read_obj(inside.body)), 3000, places=6)
+        outside = service.post_json("clip", {"inputs": {**inputs, "side": "outside"}}, "?f=obj")
+        self.assertAlmostEqual(plan_area(*read_obj(outside.body)), 7000, places=6)
+        region = '{"type":"Polygon","coordinates":[[[20,30],[70,30],[70,90],[20,90],[20,30]]]}'
+        by_form = service.post_form("clip", [
+            ("surface", File("a.obj", square_obj(0, 0, 100, 10, 4))), ("region", File("r.geojson", region)),
+            ("region-crs", "EPSG:25831")], "?f=obj&assume-crs=EPSG:25831")
+        self.assertEqual(by_form.body, inside.body)
+        apart = service.post_json("clip", {"inputs": {**inputs, "bbox": [500, 0, 600, 100]}})
+        self.assertEqual(apart.status, 422)
+        self.assertIn("400 m apart", apart.json()["detail"])
+        self.assertEqual(service.post_json("clip", {"inputs": {**inputs, "bbox": [5, 5]}}).status, 400)
+
+    def test_surfaces_made_from_nothing(self):
+        disc = service.post_json("synthesize-circle", {"inputs": {
+            "center": [10, 20], "radius": 5, "z": 3, "crs": "EPSG:25831"}}, "?f=obj")
+        self.assertEqual(disc.status, 200, disc.body)
+        vertices, faces = read_obj(disc.body)
+        self.assertEqual((len(vertices), len(faces), {z for _, _, z in vertices}), (64, 62, {3}))
+        crossing = service.post_json("synthesize-polygon", {"inputs": {
+            "points": "0,0;10,10;10,0;0,10", "spline": False, "crs": "EPSG:25831"}})
+        self.assertEqual(crossing.status, 422)
+        self.assertIn("5.0, 5.0", crossing.json()["detail"])
+
     def test_a_raster_and_a_picture(self):
         grid = ascii_grid(20, 20, lambda c, r: c * r)
         mesh = service.post_form("triangulate", [("dem", File("dem.asc", grid))], "?f=obj&assume-crs=EPSG:25831")
