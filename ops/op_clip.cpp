@@ -140,7 +140,8 @@ Operation clip_operation() {
            "returned as they are; those it cuts keep their planes, and walls are cut with them. Inside and outside are "
            "the whole: their areas add up, and they meet vertex on vertex, so that a merge gives the surface back.",
        .inputs = {{"surface", 1, 1, false, "The surface to cut: a TIN or a raster."}},
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"bbox", "500100,4400100,500200,4400200"}}}},
       run);
 }
 

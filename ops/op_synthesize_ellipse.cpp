@@ -119,7 +119,8 @@ Operation synthesize_circle() {
        .title = "Make a level disc",
        .description = "A circle around a centre, level at z: a polygon of corners on the circle, the first at its "
                       "eastern end, triangulated. Nothing is read; crs says where it is.",
-       .check = check_circle},
+       .check = check_circle,
+       .example = {.parameters = {{"center", "200,200"}, {"radius", "150"}, {"z", "120"}}}},
       run_circle);
 }
 
@@ -129,7 +130,8 @@ Operation synthesize_ellipse() {
        .title = "Make a level ellipse",
        .description = "An ellipse around a centre, level at z: a polygon of corners evenly spread over its parameter, "
                       "triangulated. Axes are full lengths. Nothing is read; crs says where it is.",
-       .check = check_ellipse},
+       .check = check_ellipse,
+       .example = {.parameters = {{"center", "200,200"}, {"major-axis", "360"}, {"minor-axis", "180"}, {"z", "120"}}}},
       run_ellipse);
 }
 

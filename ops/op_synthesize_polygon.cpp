@@ -76,7 +76,8 @@ Operation synthesize_polygon() {
        .description =
            "What a closed curve through the points encloses, level at z: a periodic cubic spline, or straight "
            "edges. A curve that crosses itself is refused with the place. crs says where it is.",
-       .check = check},
+       .check = check,
+       .example = {.parameters = {{"points", "0,0;400,50;350,300;50,250"}, {"z", "120"}}}},
       run);
 }
 

@@ -36,7 +36,7 @@ Outcome run(std::vector<Surface>&, const RectangleParameters& p, const Crs& crs,
   const double left = p.zmin.in(metres);
   Outcome outcome;
   outcome.result = rectangle({*p.xmin, *p.ymin, *p.xmax, *p.ymax}, left, p.zmax ? p.zmax->in(metres) : left,
-                             plan_length(p.max_edge, crs));
+                             longest_edge(p.max_edge, crs));
   outcome.expected_area = (*p.xmax - *p.xmin) * (*p.ymax - *p.ymin);
   return outcome;
 }
@@ -49,7 +49,10 @@ Operation synthesize_rectangle() {
        .title = "Make a plane or a ramp over a rectangle",
        .description = "A rectangle at height zmin along its left side and zmax along its right one, linear between: a "
                       "level plane where they are equal, else a ramp. Nothing is read; crs says where it is.",
-       .check = check},
+       .check = check,
+       .example =
+           {.parameters =
+                {{"xmin", "0"}, {"ymin", "0"}, {"xmax", "400"}, {"ymax", "250"}, {"zmin", "100"}, {"zmax", "160"}}}},
       run);
 }
 

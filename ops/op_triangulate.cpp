@@ -63,7 +63,7 @@ Outcome from_points(Surface& surface, const TriangulateParameters& p, Context& c
   const Crs& crs = surface.crs;
   SurveyOptions options;
   options.average = p.duplicates == Duplicates::mean;
-  options.max_edge = p.max_edge.in(crs.known() ? crs.metres_per_length_unit() : 1.0);
+  options.max_edge = plan_length(p.max_edge, crs);
   if (crs.known() && crs.geographic()) options.length = [&](Point2 a, Point2 b) { return distance(a, b, crs); };
   auto& points = std::get<PointCloud>(surface.value).points;
   const std::size_t given = points.size();

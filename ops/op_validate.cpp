@@ -66,7 +66,8 @@ Operation validate() {
        .result_with =
            [](const nlohmann::json& values) {
              return values.value("repair", false) ? ResultKind::surface : ResultKind::report;
-           }},
+           },
+       .example = {.parameters = {{"repair", "true"}}}},
       run);
   for (const std::string& word : formats_of(ResultKind::surface))
     if (word != "json") made.output_formats.push_back(word);

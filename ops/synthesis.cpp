@@ -7,7 +7,7 @@
 
 namespace terrane {
 
-double plan_length(const Length& length, const Crs& crs) {
+double longest_edge(const Length& length, const Crs& crs) {
   constexpr double metres_per_degree = 111'700;  // at most: along a meridian near a pole
   if (crs.known() && crs.geographic()) return length.in(1) / metres_per_degree;
   return length.in(crs.known() ? crs.metres_per_length_unit() : 1);
@@ -44,7 +44,7 @@ Outcome level_mesh(const std::vector<Point2>& ring, const std::string& what, con
                     nlohmann::json(contact->at.y).dump() + "; move the points around it apart");
   const double height = z.in(crs.known() ? crs.metres_per_height_unit() : 1);
   Outcome outcome;
-  outcome.result = level_area(ring, height, plan_length(max_edge, crs), context);
+  outcome.result = level_area(ring, height, longest_edge(max_edge, crs), context);
   outcome.expected_area = enclosed_area(ring);
   outcome.expected_height = [height](const auto&) -> std::optional<HeightRange> { return HeightRange{height, height}; };
   return outcome;

@@ -13,7 +13,7 @@ namespace terrane {
 
 /// A length in plan as the core takes it: CRS units; metres where these are degrees, turned into degrees of latitude so
 /// that no edge is longer.
-double plan_length(const Length& length, const Crs& crs);
+double longest_edge(const Length& length, const Crs& crs);
 
 /// Throws Error{usage, "missing-parameter"} where one of the parameters is not given.
 void need_parameters(const nlohmann::json& parameters, const std::string& operation,

@@ -94,9 +94,9 @@ TEST(Plan, ANumberIsASurfaceOnlyWhereALevelIsTaken) {
   Request r = request("subtract", {"minuend"});
   r.inputs.push_back({"subtrahend", "", "", "-12.5"});
   EXPECT_NO_THROW(plan(r));
-  Request merge = request("merge", {"tiles"});
-  merge.inputs.push_back({"tiles", "", "", "12.5"});
-  EXPECT_EQ(refusal(merge).kind, ErrorKind::unsupported);
+  Request info = request("info", {});
+  info.inputs.push_back({"surface", "", "", "12.5"});
+  EXPECT_EQ(refusal(info).kind, ErrorKind::unsupported);
 }
 
 TEST(Plan, FormatGoesByWordThenNameThenAccept) {
