@@ -13,7 +13,7 @@ terrane = pathlib.Path(sys.argv[1]).resolve()
 docs = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else pathlib.Path(__file__).parent.parent).resolve()
 pictures = docs / "gallery"
 page = []
-SIZE = 420
+SIZE = 340
 
 
 def run(*words):
@@ -60,19 +60,19 @@ def made(name, caption, *words, shading="hillshade", wires=False):
 
 def inputs():
     crs = ["--assume-crs", "EPSG:25831"]
-    for name, x0, seed, shift in (("a", 0, 1, 0), ("b", 256, 1, 6), ("c", 0, 5, 0)):
+    for name, x0, seed, shift in (("a", 0, 1, 0), ("b", 256, 1, 18), ("c", 0, 5, 0)):
         hills(f"{name}.asc", x0, seed, shift)
-        run("triangulate", f"{name}.asc", "--max-error", 1.5, *crs, "-o", f"{name}.obj")
+        run("triangulate", f"{name}.asc", "--max-error", 3, *crs, "-o", f"{name}.obj")
 
 
 def adaptive():
     title("Triangulate, simplify", "A DEM becomes a TIN within a bound; a TIN becomes a coarser one, within a bound again.")
-    run("simplify", "a.obj", "--max-error", 5, "-o", "coarse.obj")
+    run("simplify", "a.obj", "--max-error", 10, "-o", "coarse.obj")
     picture("a.obj", "triangulate", "hillshade", "--wireframe")
     picture("coarse.obj", "simplify", "hillshade", "--wireframe")
     picture("a.obj", "elevation", "elevation")
-    row(("elevation", "surface A, `render shading=elevation`"), ("triangulate", "`triangulate max-error=1.5`"),
-        ("simplify", "`simplify max-error=5`"))
+    row(("elevation", "surface A, `render shading=elevation`"), ("triangulate", "`triangulate max-error=3`"),
+        ("simplify", "`simplify max-error=10`"))
 
 
 def arithmetic():
@@ -82,8 +82,8 @@ def arithmetic():
 
 
 def merging():
-    title("Merge", "B overlaps A by half and lies six metres above it.")
-    merge = lambda name, caption, *more: made(name, caption, "merge", "a.obj", "b.obj", *more)
+    title("Merge", "B overlaps A by half and lies 18 metres above it.")
+    merge = lambda name, caption, *more: made(name, caption, "merge", "a.obj", "b.obj", *more, shading="elevation")
     row(merge("merge-first", "`overlap=first`: a cliff, closed by a wall"),
         merge("merge-ramp", "`overlap=first seam=ramp`", "--seam", "ramp"),
         merge("merge-blend", "`overlap=blend blend-width=120`", "--overlap", "blend", "--blend-width", 120))
@@ -92,8 +92,8 @@ def merging():
 
 
 def logic():
-    title("Threshold, logic", "True is yellow, false is dark; walls between them.")
-    figures = [made(f"threshold-{s}", f"`threshold {s.upper()} level=150`", "threshold", f"{s}.obj", "--level", 150,
+    title("Threshold, logic", "True is white, false is green; walls between them.")
+    figures = [made(f"threshold-{s}", f"`threshold {s.upper()} level=165`", "threshold", f"{s}.obj", "--level", 165,
                     shading="elevation") for s in "ac"]
     figures.append(made("not", "`not A`", "not", "threshold-a.obj", shading="elevation"))
     row(*figures)
