@@ -85,8 +85,8 @@ def integration():
 
 def logic():
     for s in "ab":
-        out, taken = ran("threshold", f"{s}.ply", "--level", {"a": 700, "b": 700}[s], f"{s}-true.ply")
-        entry(f"threshold of {s.upper()}", f"{s.upper()}", out, taken, "not timed", rasters(f"A>=700", f"{s}.tif"))
+        out, taken = ran("threshold", f"{s}.ply", "--level", 700, f"{s}-true.ply")
+        entry(f"threshold of {s.upper()}", f"{s.upper()}", out, taken, "not timed", rasters("A>=700", f"{s}.tif"))
     out, taken = ran("not", "a-true.ply", "not.ply")
     entry("NOT", "threshold of A", out, taken, "1,649 points: 0.0001 s, in memory")
     for word in ("and", "or", "xor", "nand", "nor"):
