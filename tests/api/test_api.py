@@ -65,7 +65,8 @@ class Resources(unittest.TestCase):
         processes = service.get("/processes").json()["processes"]
         ids = [process["id"] for process in processes]
         self.assertLessEqual({"add", "subtract", "merge", "volume", "triangulate", "validate", "info", "convert",
-                              "transform", "render", "and", "or", "xor", "nand", "nor", "not", "threshold", "quantize"},
+                              "transform", "render", "and", "or", "xor", "nand", "nor", "not", "threshold", "quantize",
+                              "simplify", "contour"},
                              set(ids))
         for process in processes:
             description = service.get("/processes/" + process["id"]).json()
@@ -262,6 +263,27 @@ class Executions(unittest.TestCase):
         picture = service.post_form("render", [("surface", File("dem.asc", grid))], "?assume-crs=EPSG:25831")
         self.assertEqual((picture.status, picture.media_type), (200, "image/png"), picture.body[:300])
         self.assertTrue(picture.body.startswith(b"\x89PNG"))
+
+    def test_a_surface_is_simplified_and_contoured(self):
+        grid = File("cone.asc", ascii_grid(21, 21, lambda c, r: 10 - max(abs(c - 10), abs(r - 10))))
+        query = "?assume-crs=EPSG:25831&"
+        roof = File("roof.asc", ascii_grid(21, 21, lambda c, r: 10 - abs(c - 10)))
+        flat = service.post_form("simplify", [("surface", roof)], query + "f=obj&coplanar-only=true&keep-boundary=false")
+        self.assertEqual(flat.status, 200, flat.body)
+        vertices, faces = read_obj(flat.body)
+        self.assertEqual((len(vertices), len(faces)), (6, 4))
+        lines = service.post_form("contour", [("surface", grid)], query + "interval=2.5")
+        self.assertEqual((lines.status, lines.media_type), (200, "application/geo+json"), lines.body)
+        features = lines.json()["features"]
+        self.assertEqual([f["properties"]["level"] for f in features], [2.5, 5, 7.5])
+        for f in features:
+            line = f["geometry"]["coordinates"]
+            self.assertEqual(line[0], line[-1])
+            self.assertTrue(all(z == f["properties"]["level"] for _, _, z in line))
+        for word in "gpkg", "dxf":
+            self.assertEqual(service.post_form("contour", [("surface", grid)], query + "levels=5&f=" + word).status, 200)
+        for operation, wrong in (("simplify", ""), ("contour", ""), ("contour", "interval=1&levels=3")):
+            self.assertEqual(service.post_form(operation, [("surface", grid)], query + wrong).status, 400)
 
     def test_thresholds_are_combined(self):
         grids = [File(name, ascii_grid(20, 20, height)) for name, height in

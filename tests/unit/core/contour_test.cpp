@@ -115,6 +115,72 @@ void expect_right(const Tin& tin, const std::vector<Contour>& lines, double leve
   EXPECT_NEAR(length(lines), expected_length(tin, level), 1e-9 * (1 + expected_length(tin, level)));
 }
 
+/// Twice the area in plan where a surface is at or above a level, face by face.
+double area2_above(const Tin& tin, double level) {
+  double sum = 0;
+  for (const Face& f : tin.faces) {
+    std::vector<Point> kept;
+    for (int k = 0; k < 3; ++k) {
+      const Point &a = tin.vertices[f[k]], &b = tin.vertices[f[(k + 1) % 3]];
+      if (a.z >= level) kept.push_back(a);
+      if ((a.z >= level) != (b.z >= level)) kept.push_back(at_level(a, b, level));
+    }
+    for (std::size_t i = 2; i < kept.size(); ++i)
+      sum +=
+          (kept[i - 1].x - kept[0].x) * (kept[i].y - kept[0].y) - (kept[i - 1].y - kept[0].y) * (kept[i].x - kept[0].x);
+  }
+  return sum;
+}
+
+/// The same from its outline: the contours, and the border of the domain as far as it is as high.
+double area2_within(const Tin& tin, const std::vector<Contour>& lines, double level) {
+  std::map<std::array<double, 4>, std::array<Point, 3>> border;
+  for (const Face& f : tin.faces)
+    for (int k = 0; !is_wall(tin, f) && k < 3; ++k) {
+      const Point &a = tin.vertices[f[k]], &b = tin.vertices[f[(k + 1) % 3]];
+      if (border.erase({b.x, b.y, a.x, a.y}) == 0) border[{a.x, a.y, b.x, b.y}] = {a, b, tin.vertices[f[(k + 2) % 3]]};
+    }
+  double sum = area2_on_the_right(lines);
+  for (auto [key, edge] : border) {
+    auto [a, b, third] = edge;
+    if ((a.z < level && b.z < level) || (a.z == level && b.z == level && third.z < level)) continue;
+    if (a.z < level) a = at_level(a, b, level);
+    if (b.z < level) b = at_level(b, a, level);
+    sum += a.x * b.y - a.y * b.x;
+  }
+  return sum;
+}
+
+TEST(Contour, EnclosesTheAreaAtAndAboveTheLevel) {
+  support::Random random(11);
+  for (int round = 0; round < 60; ++round) {
+    std::vector<Tin> tiles;
+    for (int i = 0; i < 3; ++i) {
+      std::string picture;
+      for (int y = 0; y < 6; ++y, picture += '\n')
+        for (int x = 0; x < 6; ++x) picture += support::below(random, 15) == 0 ? '.' : '0' + support::below(random, 5);
+      const double shift = round % 2 ? 0.5 : 0.25;
+      tiles.push_back(
+          canonical(drawn(picture, 1, {shift * support::below(random, 9), shift * support::below(random, 9)})));
+      if (tiles.back().faces.empty()) tiles.pop_back();
+    }
+    Context context;
+    const Tin tin = merge(tiles, {Overlap::first, {Seam::wall, 0}}, context).surface.tin;
+    for (const double level : {0.0, 1.0, 1.7, 2.0, 3.0, 4.0}) {
+      const auto lines = traced(tin, {level});
+      EXPECT_NEAR(area2_within(tin, lines, level), area2_above(tin, level), 1e-9)
+          << "round " << round << " level " << level;
+      std::set<std::array<double, 4>> pieces;
+      for (const Contour& c : lines)
+        for (std::size_t i = 0; i + 1 < c.line.size(); ++i) {
+          const Point &p = c.line[i], &q = c.line[i + 1];
+          EXPECT_TRUE(pieces.insert({p.x, p.y, q.x, q.y}).second);
+          EXPECT_FALSE(pieces.contains({q.x, q.y, p.x, p.y})) << "there and back";
+        }
+    }
+  }
+}
+
 TEST(Contour, APyramid) {
   const Tin tin = drawn("000\n020\n000");
   const auto lines = traced(tin, {1});
