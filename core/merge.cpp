@@ -188,7 +188,8 @@ void sort_by_contributor(Piece& piece, const ContributorSets& sets) {
   piece = std::move(sorted);
 }
 
-std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vector<int>& order, Context& context) {
+std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vector<int>& order,
+                                  const PlanMetric& metric, Context& context) {
   std::vector<Box> boxes;
   for (const Tin& tile : tiles) boxes.push_back(bounds(tile));
   std::vector<int> by_index = order;
@@ -199,7 +200,7 @@ std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vect
     for (std::size_t j = i + 1; j < by_index.size(); ++j) {
       const int a = by_index[i], b = by_index[j];
       if (!touches(widened(boxes[a]), boxes[b])) continue;
-      std::optional<SeamPair> pair = compare_tiles(tiles[a], tiles[b], context);
+      std::optional<SeamPair> pair = compare_tiles(tiles[a], tiles[b], metric, context);
       if (!pair) continue;
       pair->a = a;
       pair->b = b;
@@ -211,12 +212,12 @@ std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vect
 
 /// Pairs know tiles by their index, contributors by their rank.
 void find_jumps(Merged& merged, const Piece& piece, const ContributorSets& sets, const std::vector<int>& order,
-                const Assembly& assembly) {
+                const MergeOptions& options) {
   std::vector<int> rank(order.empty() ? 0 : *std::max_element(order.begin(), order.end()) + 1, 0);
   for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<int>(r);
   for (SeamPair& pair : merged.seams) pair.a = rank[pair.a], pair.b = rank[pair.b];
-  merged.jumps = attribute_jumps(piece.surface, piece.contributors, sets, assembly.z_tolerance,
-                                 assembly.seam == Seam::wall, merged.seams);
+  merged.jumps = attribute_jumps(piece.surface, piece.contributors, sets, options.assembly.z_tolerance,
+                                 options.assembly.seam == Seam::wall, options.metric, merged.seams);
   for (SeamPair& pair : merged.seams) {
     pair.a = order[pair.a], pair.b = order[pair.b];
     if (pair.a > pair.b) std::swap(pair.a, pair.b);
@@ -250,7 +251,7 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
     merged.surface.tin = canonical(tiles[order[0]]);
     return merged;
   }
-  merged.seams = compare_all(tiles, order, context);
+  merged.seams = compare_all(tiles, order, options.metric, context);
   ContributorSets sets(static_cast<int>(order.size()));
   RoundingReport report;
   Piece piece = options.overlap == Overlap::median
@@ -259,7 +260,7 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
   if (options.level) piece = clamped(std::move(piece), *options.level, options.overlap, report, context);
   merged.bridged = bridge_gaps(piece, sets, options.gap, options.metric, context);
   sort_by_contributor(piece, sets);
-  find_jumps(merged, piece, sets, order, options.assembly);
+  find_jumps(merged, piece, sets, order, options);
   merged.surface = assemble(std::move(piece.surface), options.assembly, context);
   accumulate(merged.surface.rounding, report);
   return merged;

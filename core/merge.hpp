@@ -19,11 +19,11 @@ struct MergeOptions {
   Assembly assembly;
   std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
   double gap = 0;                    // slits between tiles up to this width are bridged (core/gaps)
-  PlanMetric metric = {};            // of the gap
+  PlanMetric metric = {};            // of the gap, and of what is said about seams
 };
 
 /// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
-/// Lengths, areas and heights in CRS units.
+/// Lengths and areas as the metric has them, heights in CRS units.
 struct SeamPair {
   int a = 0, b = 0;      // indices of the tiles, a < b
   bool overlap = false;  // false: they share only a border
@@ -55,9 +55,9 @@ struct Merged {
 std::vector<int> order_by_content(const std::vector<Tin>& tiles);
 
 /// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max,
-/// mean, median and sum give the same bytes for any order given; first and last paste in the order given. Where tiles share
-/// only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows with the
-/// tiles: faces far from the tile being added are not visited by its overlay.
+/// mean, median and sum give the same bytes for any order given; first and last paste in the order given. Where tiles
+/// share only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows
+/// with the tiles: faces far from the tile being added are not visited by its overlay.
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);
 
 }  // namespace terrane

@@ -17,11 +17,13 @@ double area_of(const Overlay& overlay, const Face& f) {
   return 0.5 * area2_accurate(overlay.points[f[0]], overlay.points[f[1]], overlay.points[f[2]]);
 }
 
-std::vector<LinearPiece> differences(const Overlay& overlay) {
+std::vector<LinearPiece> differences(const Overlay& overlay, const PlanMetric& metric) {
   std::vector<LinearPiece> pieces;
   for (Index f = 0; f < static_cast<Index>(overlay.faces.size()); ++f) {
     if (overlay.parents[f][0] == none || overlay.parents[f][1] == none) continue;
-    LinearPiece piece{area_of(overlay, overlay.faces[f]), {}};
+    const Face& c = overlay.faces[f];
+    const Point2 unit = metric.at((overlay.points[c[0]].y + overlay.points[c[1]].y + overlay.points[c[2]].y) / 3);
+    LinearPiece piece{area_of(overlay, c) * unit.x * unit.y, {}};
     for (int k = 0; k < 3; ++k) piece.values[k] = overlay.height(1, f, k) - overlay.height(0, f, k);
     pieces.push_back(piece);
   }
@@ -108,10 +110,10 @@ bool lies_on(const std::vector<int>& first, const std::vector<int>& second, cons
 /// The jumps of one pair while they are summed up.
 class Jumps {
  public:
-  explicit Jumps(SeamPair& pair) : pair_(pair) {}
+  Jumps(SeamPair& pair, const PlanMetric& metric) : pair_(pair), metric_(metric) {}
 
   void add(Point2 p, Point2 q, double dp, double dq) {
-    const double length = std::hypot(q.x - p.x, q.y - p.y);
+    const double length = metric_.distance(p, q);
     ++pair_.jump_count;
     length_.add(length);
     const double one_sign = 0.5 * (std::fabs(dp) + std::fabs(dq));
@@ -135,19 +137,22 @@ class Jumps {
 
  private:
   SeamPair& pair_;
+  const PlanMetric& metric_;
   Sum length_, absolute_, squares_;
 };
 
 }  // namespace
 
-std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& context) {
+std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, const PlanMetric& metric, Context& context) {
   const Tin near_a = near_faces(a, widened(bounds(b))), near_b = near_faces(b, widened(bounds(a)));
   if (near_a.faces.empty() || near_b.faces.empty()) return std::nullopt;
   const Overlay overlaid = overlay(near_a, near_b, {}, context);
-  const std::vector<LinearPiece> pieces = differences(overlaid);
+  const std::vector<LinearPiece> pieces = differences(overlaid, metric);
   SeamPair pair;
   Sum area;
-  for (const LinearPiece& p : pieces) area.add(p.area);
+  for (std::size_t f = 0; f < overlaid.faces.size(); ++f)
+    if (overlaid.parents[f][0] != none && overlaid.parents[f][1] != none)
+      area.add(area_of(overlaid, overlaid.faces[f]));
   if (area.value() > 1e-10 * std::min(tile_area(a), tile_area(b))) {
     pair.overlap = true;
     describe(pieces, largest_height(near_a, near_b), pair);
@@ -157,8 +162,9 @@ std::optional<SeamPair> compare_tiles(const Tin& a, const Tin& b, Context& conte
   return pair;
 }
 
-std::vector<SeamJump> attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors, const ContributorSets& sets,
-                     double z_tolerance, bool made_walls, std::vector<SeamPair>& pairs) {
+std::vector<SeamJump> attribute_jumps(const CornerSurface& surface, const std::vector<Index>& contributors,
+                                      const ContributorSets& sets, double z_tolerance, bool made_walls,
+                                      const PlanMetric& metric, std::vector<SeamPair>& pairs) {
   PlanarMesh mesh{surface.points, surface.faces, {}, {}};
   connect(mesh);
   std::map<std::pair<int, int>, std::size_t> index;
@@ -195,7 +201,7 @@ std::vector<SeamJump> attribute_jumps(const CornerSurface& surface, const std::v
                        lies_on(sets.members(contributors[f]), sets.members(contributors[g]), pairs[it->second])});
     }
   std::vector<Jumps> jumps;
-  for (SeamPair& pair : pairs) jumps.emplace_back(pair);
+  for (SeamPair& pair : pairs) jumps.emplace_back(pair, metric);
   for (const Found& jump : found) jumps[jump.pair].add(jump.p, jump.q, jump.dp, jump.dq);
   for (Jumps& sums : jumps) sums.finish(made_walls);
   std::vector<SeamJump> listed;

@@ -53,10 +53,12 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   if (const auto united = union_area(outcome.fields, context))
     outcome.expected_area = p.outside == Outside::drop ? apart - *united : *united;
   // What the two say of each other, as a merge would report it.
-  Merged measured = merge({a.tin(), b.tin()}, {Overlap::first, {Seam::split, 0}}, context);
+  MergeOptions options{Overlap::first, {Seam::split, 0}};
+  options.metric = plan_metric(a.crs);
+  Merged measured = merge({a.tin(), b.tin()}, options, context);
   for (SeamPair& pair : measured.seams) {
-    measure_jumps(sum.tin, pair);
-    pair.wall_area = sum.wall_area;
+    measure_jumps(sum.tin, options.metric, pair);
+    pair.wall_area = p.seam == Seam::wall ? pair.jump_mean_abs * pair.jump_length_2d : 0;
   }
   outcome.certificate["seams"] = seam_report(measured.seams, {a.name, b.name});
   outcome.expected_height = sum_of_heights(p.outside);

@@ -59,7 +59,7 @@ nlohmann::json seam_report(const std::vector<SeamPair>& pairs, const std::vector
   return {{"dz", "b - a"}, {"pairs", list}};
 }
 
-void measure_jumps(const Tin& result, SeamPair& pair) {
+void measure_jumps(const Tin& result, const PlanMetric& metric, SeamPair& pair) {
   const PlanTopology topology = plan_topology(result);
   double length = 0, sum = 0, squares = 0;
   pair.jump_count = 0;
@@ -72,7 +72,7 @@ void measure_jumps(const Tin& result, SeamPair& pair) {
     const double jb = std::fabs(b.z - result.vertices[topology.from(result, mate)].z);
     if (ja == 0 && jb == 0) continue;
     // Jumps are linear along an edge and do not change sign on it.
-    const double part = std::hypot(b.x - a.x, b.y - a.y);
+    const double part = metric.distance(plan(a), plan(b));
     length += part;
     sum += part * (ja + jb) / 2;
     squares += part * (ja * ja + ja * jb + jb * jb) / 3;

@@ -19,6 +19,6 @@ Vectors seam_lines(const Merged& merged, const std::vector<std::string>& names, 
 
 /// Fills the jumps of a pair from the jumps that are left in a result, for operations whose jumps are not those of a
 /// merge.
-void measure_jumps(const Tin& result, SeamPair& pair);
+void measure_jumps(const Tin& result, const PlanMetric& metric, SeamPair& pair);
 
 }  // namespace terrane

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -74,6 +75,11 @@ TEST_F(RealTerrain, four_islands_stay_apart_and_keep_their_area) {
   expect_order_free(tiles, {{"overlap", "mean"}});
 }
 
+double median(std::vector<double> z) {
+  std::sort(z.begin(), z.end());
+  return (z[(z.size() - 1) / 2] + z[z.size() / 2]) / 2;
+}
+
 TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
   std::vector<InputPart> tiles;
   std::vector<support::Sampler> heights;
@@ -83,7 +89,7 @@ TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
     heights.emplace_back(decoded(made));
     tiles.push_back(tin("tiles", corner, made));
   }
-  for (const std::string overlap : {"first", "last", "min", "max", "mean", "sum"}) {
+  for (const std::string overlap : {"first", "last", "min", "max", "mean", "median", "sum"}) {
     SCOPED_TRACE(overlap);
     const Response merged = run("merge", tiles, {{"overlap", overlap}}, "ply");
     expect_clean(merged.report);
@@ -98,15 +104,45 @@ TEST_F(RealTerrain, overlapping_windows_follow_their_policy_at_100000_places) {
         if (const double h = tile(at); !std::isnan(h)) z.push_back(h);
       const double total = std::accumulate(z.begin(), z.end(), 0.0);
       ASSERT_FALSE(z.empty());
-      const double wanted = overlap == "first"  ? z.front()
-                            : overlap == "last" ? z.back()
-                            : overlap == "min"  ? *std::min_element(z.begin(), z.end())
-                            : overlap == "max"  ? *std::max_element(z.begin(), z.end())
-                            : overlap == "mean" ? total / z.size()
-                                                : total;
+      const double wanted = overlap == "first"    ? z.front()
+                            : overlap == "last"   ? z.back()
+                            : overlap == "min"    ? *std::min_element(z.begin(), z.end())
+                            : overlap == "max"    ? *std::max_element(z.begin(), z.end())
+                            : overlap == "mean"   ? total / z.size()
+                            : overlap == "median" ? median(z)
+                                                  : total;
       ASSERT_NEAR(sampler(at), wanted, 1e-8) << at.x << " " << at.y;  // degrees: a slope of 1e4 m per degree
     }
   }
+}
+
+TEST_F(RealTerrain, quarters_that_were_moved_are_snapped_or_bridged) {
+  // Each quarter lies some metres off, as after transformations that do not agree.
+  std::vector<InputPart> tiles;
+  for (int i = 0; i < 4; ++i) {
+    const std::string corner = std::array{"nw", "ne", "sw", "se"}[i];
+    const Response made =
+        run("triangulate", {file("dem", "tiles/N44W072_" + corner + ".tif")}, {{"max-error", "40"}}, "json");
+    auto moved = nlohmann::json::parse(made.body);
+    for (auto& v : moved["vertices"]) {
+      v[0] = v[0].get<double>() + 1e-4 * i + 2e-5 * std::sin(5000 * v[1].get<double>());
+      v[1] = v[1].get<double>() - 1.3e-4 * (i / 2) - 3e-5 * std::sin(3000 * v[0].get<double>());
+    }
+    tiles.push_back({"tiles", corner + ".json", "", moved.dump()});
+  }
+  EXPECT_EQ(run("merge", tiles, {}, "ply").report["output"]["components"], 4);
+  for (const auto& [parameter, distance] : {std::pair("snap", "45"), {"gap", "45"}}) {
+    SCOPED_TRACE(parameter);
+    const Response merged = run("merge", tiles, {{"overlap", "mean"}, {parameter, distance}}, "ply");
+    expect_clean(merged.report);
+    EXPECT_EQ(merged.report["output"]["components"], 1);
+    EXPECT_EQ(merged.report["output"]["holes"], 0);
+    EXPECT_LT(merged.report["accuracy"]["max_height_error"], 1e-8);
+    expect_order_free(tiles, {{"overlap", "median"}, {parameter, distance}});
+  }
+  const Response leaned = run("merge", tiles, {{"overlap", "mean"}, {"snap", "45"}, {"wall-offset", "0.01"}}, "ply");
+  expect_clean(leaned.report);
+  EXPECT_EQ(leaned.report["output"]["walls"], 0);
 }
 
 TEST_F(RealTerrain, two_halves_of_mallorca_are_mallorca) {

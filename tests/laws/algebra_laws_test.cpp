@@ -113,12 +113,17 @@ std::vector<Tin> windows() {
   return tiles;
 }
 
+double median(std::vector<double> z) {
+  std::sort(z.begin(), z.end());
+  return (z[(z.size() - 1) / 2] + z[z.size() / 2]) / 2;
+}
+
 TEST(MergeLaws, HeightsFollowThePolicyEverywhere) {
   const std::vector<Tin> tiles = windows();
   std::vector<Sampler> samplers;
   for (const Tin& tile : tiles) samplers.emplace_back(tile);
   for (const Overlap policy :
-       {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
+       {Overlap::first, Overlap::last, Overlap::mean, Overlap::median, Overlap::min, Overlap::max, Overlap::sum}) {
     const Tin tin = merged(tiles, policy).surface.tin;
     EXPECT_EQ(wrong_with(tin), "");
     EXPECT_EQ(open_seams(tin), "");
@@ -131,14 +136,28 @@ TEST(MergeLaws, HeightsFollowThePolicyEverywhere) {
       if (heights.empty()) continue;
       double total = 0;
       for (const double h : heights) total += h;
-      const double wanted = policy == Overlap::first  ? heights.front()
-                            : policy == Overlap::last ? heights.back()
-                            : policy == Overlap::min  ? *std::min_element(heights.begin(), heights.end())
-                            : policy == Overlap::max  ? *std::max_element(heights.begin(), heights.end())
-                            : policy == Overlap::mean ? total / static_cast<double>(heights.size())
-                                                      : total;
+      const double wanted = policy == Overlap::first    ? heights.front()
+                            : policy == Overlap::last   ? heights.back()
+                            : policy == Overlap::min    ? *std::min_element(heights.begin(), heights.end())
+                            : policy == Overlap::max    ? *std::max_element(heights.begin(), heights.end())
+                            : policy == Overlap::mean   ? total / static_cast<double>(heights.size())
+                            : policy == Overlap::median ? median(heights)
+                                                        : total;
       EXPECT_NEAR(z(p), wanted, 1e-6);
     }
+  }
+}
+
+TEST(MergeLaws, TheMedianOfTwoIsTheirMeanAndOfThreeLiesBetweenMinAndMax) {
+  const Tin a = support::random_terrain(200, 1), b = support::random_terrain(200, 2),
+            c = support::random_terrain(200, 3);
+  const Sampler mean(merged({a, b}, Overlap::mean).surface.tin), two(merged({a, b}, Overlap::median).surface.tin);
+  const Sampler low(merged({a, b, c}, Overlap::min).surface.tin), high(merged({a, b, c}, Overlap::max).surface.tin);
+  const Sampler middle(merged({a, b, c}, Overlap::median).surface.tin),
+      all(merged({a, b, c}, Overlap::sum).surface.tin);
+  for (const Point2 p : random_places(bounds(a), 2000, 8)) {
+    EXPECT_NEAR(two(p), mean(p), 1e-6);
+    EXPECT_NEAR(low(p) + middle(p) + high(p), all(p), 1e-6);
   }
 }
 
@@ -166,7 +185,7 @@ TEST(MergeLaws, AMergeOfTheCutsIsTheOriginal) {
   for (int i = 0; i < 4; ++i)
     cuts.push_back(support::without(whole, [i](Point2 c) { return (c.x > 4000) + 2 * (c.y > 6000) != i; }));
   for (const Overlap policy :
-       {Overlap::first, Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum}) {
+       {Overlap::first, Overlap::last, Overlap::mean, Overlap::median, Overlap::min, Overlap::max, Overlap::sum}) {
     const Merged result = merged(cuts, policy);
     EXPECT_EQ(result.surface.tin, whole);
     EXPECT_EQ(result.surface.wall_area, 0);
@@ -177,7 +196,7 @@ TEST(MergeLaws, AMergeOfTheCutsIsTheOriginal) {
 TEST(MergeLaws, AreaBalances) {
   const std::vector<Tin> tiles = windows();
   const double expected = plan_area(merged(tiles, Overlap::first).surface.tin);
-  for (const Overlap policy : {Overlap::last, Overlap::mean, Overlap::min, Overlap::max, Overlap::sum})
+  for (const Overlap policy : {Overlap::last, Overlap::mean, Overlap::median, Overlap::min, Overlap::max, Overlap::sum})
     EXPECT_NEAR(plan_area(merged(tiles, policy).surface.tin), expected, 1e-11 * expected);
 }
 
