@@ -47,14 +47,10 @@ nlohmann::json output_schema(const Operation& operation) {
 
 std::string output_id(const Operation& operation) {
   switch (operation.result) {
-    case ResultKind::surface:
-      return "surface";
-    case ResultKind::picture:
-      return "picture";
-    case ResultKind::raster:
-      return "raster";
-    case ResultKind::vectors:
-      return "features";
+    case ResultKind::surface: return "surface";
+    case ResultKind::picture: return "picture";
+    case ResultKind::raster: return "raster";
+    case ResultKind::vectors: return "features";
     case ResultKind::report:
     case ResultKind::table:
       break;
@@ -65,18 +61,10 @@ std::string output_id(const Operation& operation) {
 nlohmann::json parameter_schema(const Parameter& p) {
   nlohmann::json schema;
   switch (p.type) {
-    case Parameter::Type::number:
-      schema = {{"type", "number"}};
-      break;
-    case Parameter::Type::integer:
-      schema = {{"type", "integer"}};
-      break;
-    case Parameter::Type::boolean:
-      schema = {{"type", "boolean"}};
-      break;
-    case Parameter::Type::choice:
-      schema = {{"type", "string"}, {"enum", p.choices}};
-      break;
+    case Parameter::Type::number: schema = {{"type", "number"}}; break;
+    case Parameter::Type::integer: schema = {{"type", "integer"}}; break;
+    case Parameter::Type::boolean: schema = {{"type", "boolean"}}; break;
+    case Parameter::Type::choice: schema = {{"type", "string"}, {"enum", p.choices}}; break;
     case Parameter::Type::numbers:
       schema = {{"oneOf",
                  {{{"type", "array"}, {"items", {{"type", "number"}}}},
@@ -92,9 +80,7 @@ nlohmann::json parameter_schema(const Parameter& p) {
                   bytes_schema("image/vnd.dxf")}}};
       break;
     case Parameter::Type::text:
-    case Parameter::Type::crs:
-      schema = {{"type", "string"}};
-      break;
+    case Parameter::Type::crs: schema = {{"type", "string"}}; break;
     case Parameter::Type::length: {
       nlohmann::json number = {{"type", "number"}};
       if (p.minimum) number["minimum"] = *p.minimum;

@@ -111,15 +111,13 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
       check_range(p, value.value, text, "a length");
       return value.json();
     }
-    case Parameter::Type::numbers:
-      return parse_numbers(text, p.name);
+    case Parameter::Type::numbers: return parse_numbers(text, p.name);
     case Parameter::Type::vectors:
       if (!vector_format(text))
         refuse(p, text, "GeoJSON, WKT, a GeoPackage, a zipped Shapefile, DXF, or coordinates x,y;x,y");
       return nullptr;  // what is kept of them is the plan's
     case Parameter::Type::crs:
-    case Parameter::Type::text:
-      return std::string(trimmed(text));
+    case Parameter::Type::text: return std::string(trimmed(text));
   }
   return nullptr;
 }

@@ -10,30 +10,14 @@ namespace {
 std::string type_word(const Parameter& p) {
   std::string text;
   switch (p.type) {
-    case Parameter::Type::number:
-      text = "number";
-      break;
-    case Parameter::Type::integer:
-      text = "whole number";
-      break;
-    case Parameter::Type::boolean:
-      text = "true or false";
-      break;
-    case Parameter::Type::text:
-      text = "text";
-      break;
-    case Parameter::Type::crs:
-      text = "CRS";
-      break;
-    case Parameter::Type::length:
-      text = "length";
-      break;
-    case Parameter::Type::numbers:
-      text = "numbers, or from:to:step";
-      break;
-    case Parameter::Type::vectors:
-      text = "vectors";
-      break;
+    case Parameter::Type::number: text = "number"; break;
+    case Parameter::Type::integer: text = "whole number"; break;
+    case Parameter::Type::boolean: text = "true or false"; break;
+    case Parameter::Type::text: text = "text"; break;
+    case Parameter::Type::crs: text = "CRS"; break;
+    case Parameter::Type::length: text = "length"; break;
+    case Parameter::Type::numbers: text = "numbers, or from:to:step"; break;
+    case Parameter::Type::vectors: text = "vectors"; break;
     case Parameter::Type::choice:
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
