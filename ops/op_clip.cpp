@@ -8,6 +8,7 @@
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
+#include "ops/region.hpp"
 #include "ops/union_area.hpp"
 
 namespace terrane {
@@ -45,36 +46,9 @@ void check(const nlohmann::json& parameters, const std::vector<InputPart>&) {
                 "parameter 'bbox' takes four numbers xmin,ymin,xmax,ymax, the first two below the last two");
 }
 
-std::vector<Polygon> polygons_of(const Vectors& region, Context& context) {
-  std::vector<Polygon> polygons = region.polygons();
-  const std::vector<Line> lines = region.lines();
-  if (polygons.empty() && lines.size() == 1 && lines[0].size() > 2) {
-    if (region.geojson)
-      throw Error(ErrorKind::input, "no-polygons",
-                  "the region is a line that is not closed; close it, or give a polygon");
-    polygons.push_back({lines[0], {}});  // corners written out
-  }
-  if (polygons.empty())
-    throw Error(ErrorKind::input, "no-polygons", "the region holds no polygon and no closed line; give one that does");
-  const std::size_t open = static_cast<std::size_t>(std::count_if(region.features.begin(), region.features.end(),
-                                                                  [](const Feature& f) { return !f.points.empty(); }));
-  if (open > 0)
-    context.warn({"points-ignored", "", "", "the region holds points beside its polygons; they say nothing", ""});
-  return polygons;
-}
-
 PlanRegion region_of(const ClipParameters& p, Context& context) {
-  if (!p.region) return plan_region(Box{p.bbox[0], p.bbox[1], p.bbox[2], p.bbox[3]});
-  PlanRegion region = plan_region(polygons_of(*p.region, context), context);
-  if (region.empty())
-    throw Error(ErrorKind::input, "empty-region", "the polygons of the region have no area; give corners off one line");
-  if (region.self_crossing)
-    context.warn({"region-crosses-itself", "", "",
-                  "a ring of the region crosses itself or another of its polygon at " +
-                      nlohmann::json(region.self_crossing->x).dump() + ", " +
-                      nlohmann::json(region.self_crossing->y).dump() + "; what it encloses was decided by parity",
-                  "correct the polygon"});
-  return region;
+  return p.region ? area_of(*p.region, "region", context)
+                  : plan_region(Box{p.bbox[0], p.bbox[1], p.bbox[2], p.bbox[3]});
 }
 
 /// `region`: kept while the check looks at it.

@@ -2,12 +2,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/clip.hpp"
 #include "core/error.hpp"
+#include "core/simplify.hpp"
 #include "core/triangulate_points.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
+#include "ops/region.hpp"
 
 namespace terrane {
 namespace {
@@ -18,11 +21,15 @@ struct TriangulateParameters {
   std::optional<long> max_triangles;
   std::optional<Vectors> breaklines, boundary;
   std::string breaklines_crs, boundary_crs, columns;
-  Length max_edge;
+  Length max_edge, max_error;
   Duplicates duplicates = Duplicates::refuse;
   std::vector<double> classes = {2};
 
   void visit(Fields& f) {
+    f.length(
+        "max-error", max_error, {.minimum = 0},
+        "How far (vertically) the TIN may lie from any sample of a raster, in the result's CRS, or anywhere from the "
+        "surface through all points; 0 makes every one a vertex.");
     f.integer("max-triangles", max_triangles, {.minimum = 2, .maximum = 1e9},
               "Stop at about that many faces, even if max-error is not reached; the error reached is reported.");
     f.vectors(
@@ -59,6 +66,20 @@ void refuse_point_parameters(const TriangulateParameters& p) {
                 "breaklines, boundary and max-edge are for points; the input is a raster (clip cuts its TIN)");
 }
 
+/// Leaves points out as far as max-error and max-triangles ask for it.
+void thin_out(Tin& tin, const TriangulateParameters& p, const Crs& crs, Outcome& outcome, Context& context) {
+  if (p.max_error.value == 0 && !p.max_triangles) return;
+  SimplifyOptions options{.keep_boundary = false};
+  if (p.max_error.value > 0) options.max_error = p.max_error.in(crs.known() ? crs.metres_per_height_unit() : 1.0);
+  if (p.max_triangles) options.max_triangles = *p.max_triangles;
+  Simplified made = simplify_and_verify(tin, options, context);
+  outcome.approximation = {
+      {"max_error", std::isfinite(options.max_error) ? nlohmann::json(options.max_error) : nlohmann::json()},
+      {"measured", made.error},
+      {"against", "the surface through all points, at every vertex and wherever edges cross"}};
+  tin = std::move(made.tin);
+}
+
 Outcome from_points(Surface& surface, const TriangulateParameters& p, Context& context) {
   const Crs& crs = surface.crs;
   SurveyOptions options;
@@ -76,6 +97,14 @@ Outcome from_points(Surface& surface, const TriangulateParameters& p, Context& c
   warn("heights-averaged", survey.averaged, "places had different heights, which were replaced by their mean");
   warn("points-left-out", survey.left_out, "points are in no face that max-edge leaves");
   Outcome outcome;
+  if (p.boundary) {
+    Clipped inside = clip(survey.tin, area_of(*p.boundary, "boundary", context), Side::inside, context);
+    if (inside.tin.faces.empty())
+      throw Error(ErrorKind::input, "no-overlap", "no face lies inside the boundary; check its CRS");
+    survey.tin = std::move(inside.tin);
+    outcome.rounding = inside.rounding;
+  }
+  thin_out(survey.tin, p, crs, outcome, context);
   outcome.certificate["points"] = {{"read", given},
                                    {"duplicates", survey.duplicates},
                                    {"averaged", survey.averaged},
