@@ -8,6 +8,8 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/predicates.hpp"
+#include "core/ramp.hpp"
 
 namespace terrane {
 namespace {
@@ -51,7 +53,7 @@ class Folder {
 
   CornerSurface by_corner() {
     CornerSurface surface;
-    surface.points = std::move(overlay_.points);
+    surface.points = overlay_.points;
     surface.faces.reserve(overlay_.faces.size());
     surface.z.reserve(3 * overlay_.faces.size());
     for (std::size_t f = 0; f < overlay_.faces.size(); ++f) {
@@ -60,6 +62,22 @@ class Folder {
       for (int k = 0; k < 3; ++k) surface.z.push_back(height(static_cast<Index>(f), k));
     }
     return surface;
+  }
+
+  /// All faces, those outside sloped to the overlap.
+  Ramped ramped(const Tin& a, const Tin& b, Context& context) {
+    RampGround ground;
+    for (std::size_t f = 0; f < overlay_.faces.size(); ++f) {
+      const auto& [in_a, in_b] = overlay_.parents[f];
+      ground.rank.push_back(both(f));
+      ground.origin.push_back(in_a != none ? std::array<Index, 2>{0, in_a} : std::array<Index, 2>{1, in_b});
+    }
+    ground.area = [&](Index input, Index face) {
+      const Tin& tin = input == 0 ? a : b;
+      const Face& f = tin.faces[face];
+      return area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]]));
+    };
+    return ramp(by_corner(), ground, Meeting::mean, context);
   }
 
  private:
@@ -84,7 +102,8 @@ Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const A
     throw Error(ErrorKind::usage, "outside",
                 "a difference has no height of its own outside the overlap; use drop or zero");
   const bool swap = content_before(b, a);
-  Overlay overlaid = overlay(swap ? b : a, swap ? a : b, {}, context);
+  const Tin &first = swap ? b : a, &second = swap ? a : b;
+  Overlay overlaid = overlay(first, second, {}, context);
   const RoundingReport rounding = overlaid.rounding;
   const std::array<int, 2> signs = swap ? std::array{sign, 1} : std::array{1, sign};
   Folder folder(std::move(overlaid), signs, outside);
@@ -92,6 +111,11 @@ Assembled combine(const Tin& a, const Tin& b, int sign, Outside outside, const A
   if (folder.one_height_per_place()) {
     result.tin = folder.by_place(context);
     context.progress("assemble", 1);
+  } else if (assembly.seam == Seam::ramp && outside != Outside::drop) {
+    Ramped ramped = folder.ramped(first, second, context);
+    Tin ramps = faces_in_plan(ramped.surface.points, ramped.surface.faces, ramped.sloped);
+    result = assemble(std::move(ramped.surface), assembly, context);
+    result.ramps = std::move(ramps);
   } else {
     result = assemble(folder.by_corner(), assembly, context);
   }

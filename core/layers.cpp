@@ -40,7 +40,7 @@ class Refiner {
       std::vector<Index> chain;
       for (Index a = last; a != none; a = ancestors_[a].before) chain.push_back(a);
       for (auto a = chain.rbegin(); a != chain.rend(); ++a) {
-        result_.layers.push_back({ancestors_[*a].tile, {0, 0, 0}, {0, 0, 0}});
+        result_.layers.push_back({ancestors_[*a].tile, {0, 0, 0}, {0, 0, 0}, ancestors_[*a].face});
         ancestor_face_.push_back(ancestors_[*a].face);
       }
       result_.first.push_back(result_.layers.size());

@@ -16,6 +16,7 @@ struct Layer {
   int tile;  // its rank in the order of the merge
   double z[3];
   std::uint8_t firm[3];  // whether it is the height of a vertex of the tile
+  Index face = none;     // of the tile without its walls
 };
 
 /// The common refinement of any number of tiles in plan, with the heights of all tiles on every face.

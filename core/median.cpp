@@ -109,7 +109,7 @@ class Round {
     const Face& corners = cut_.mesh.faces[f];
     const std::size_t begin = after.layers.size();
     for (const Layer& old : before_.of(label)) {
-      Layer layer{old.tile, {}, {0, 0, 0}};
+      Layer layer{old.tile, {}, {0, 0, 0}, old.face};
       for (int k = 0; k < 3; ++k) {
         layer.z[k] = value_on(cut_, before_.points, before_.faces[label], old.z, corners[k]);
         for (int j = 0; j < 3; ++j)
@@ -189,7 +189,7 @@ Layered settled(Layered layered, RoundingReport& report, Context& context) {
 }  // namespace
 
 Piece median_surface(const std::vector<Tin>& tiles, const std::vector<int>& order, ContributorSets& sets,
-                     RoundingReport& report, Context& context) {
+                     RoundingReport& report, Context& context, std::vector<std::array<Index, 2>>* lowest) {
   Layered layered = settled(layers_of(tiles, order, report, context), report, context);
   Piece piece;
   for (std::size_t f = 0; f < layered.faces.size(); ++f) {
@@ -203,6 +203,7 @@ Piece median_surface(const std::vector<Tin>& tiles, const std::vector<int>& orde
     Index set = sets.single(layers[0].tile);
     for (std::size_t l = 1; l < layers.size(); ++l) set = sets.with(set, layers[l].tile);
     piece.contributors.push_back(set);
+    if (lowest) lowest->push_back({layers[0].tile, layers[0].face});
   }
   piece.surface.points = std::move(layered.points);
   piece.surface.faces = std::move(layered.faces);

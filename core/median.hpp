@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/context.hpp"
@@ -18,8 +19,10 @@ namespace terrane {
 /// but for the rounding of the cuts. Lines between heights that are not in the middle cut nothing.
 ///
 /// Each face's contributors are all tiles that lie there. O(n log n) in input and output, times the rounds of cutting:
-/// as many as lines cross one face, few in practice. Throws Error{input, "rounding"} as overlay() does.
+/// as many as lines cross one face, few in practice. `lowest`, when given: of every face the first tile that lies there,
+/// and the face of it without its walls. Throws Error{input, "rounding"} as overlay() does.
 Piece median_surface(const std::vector<Tin>& tiles, const std::vector<int>& order, ContributorSets& sets,
-                     RoundingReport& report, Context& context);
+                     RoundingReport& report, Context& context,
+                     std::vector<std::array<Index, 2>>* lowest = nullptr);
 
 }  // namespace terrane

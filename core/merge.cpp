@@ -8,13 +8,23 @@
 #include "core/corner_heights.hpp"
 #include "core/median.hpp"
 #include "core/mosaic.hpp"
+#include "core/predicates.hpp"
+#include "core/ramp.hpp"
 #include "core/seams.hpp"
 
 namespace terrane {
 namespace {
 
 /// Whether the order of the tiles given must not matter.
-bool any_order(Overlap overlap) { return overlap != Overlap::first && overlap != Overlap::last; }
+bool any_order(Overlap overlap) {
+  return overlap != Overlap::first && overlap != Overlap::last && overlap != Overlap::blend;
+}
+
+/// Whether what has accumulated covers the tile that is added.
+bool pastes(const MergeOptions& options) {
+  if (options.overlap == Overlap::blend) return options.blend.side != BlendSide::both;
+  return !any_order(options.overlap);
+}
 
 std::vector<int> by_content(const std::vector<Tin>& tiles, std::vector<int> order) {
   std::vector<Box> boxes;
@@ -54,24 +64,48 @@ bool is_firm(const Piece& from, Index parent, Point2 at) {
   return false;
 }
 
+double area_in_plan(const Tin& tin, const Face& f) {
+  return area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]]));
+}
+
+/// With its jumps sloped; the sets of faces say which slope.
+Piece sloped(Piece piece, const RampGround& ground, Meeting meeting, ContributorSets& sets, Context& context) {
+  Ramped ramped = ramp(std::move(piece.surface), ground, meeting, context);
+  std::vector<Index> contributors;
+  for (std::size_t f = 0; f < ramped.from.size(); ++f) {
+    const Index set = piece.contributors[ramped.from[f]];
+    contributors.push_back(ramped.sloped[f] ? sets.sloped(set) : set);
+  }
+  return {std::move(ramped.surface), std::move(contributors)};
+}
+
 /// One tile on top of, under, or mixed with what has accumulated near it.
 class Step {
  public:
-  Step(const Piece& near, const Piece& tile, int rank, Overlap policy, ContributorSets& sets)
-      : near_(near), tile_(tile), rank_(rank), policy_(policy), sets_(sets) {}
+  Step(const Piece& near, const Piece& tile, int rank, const MergeOptions& options, ContributorSets& sets)
+      : near_(near), tile_(tile), rank_(rank), policy_(options.overlap), options_(options), sets_(sets) {}
 
-  Piece run(RoundingReport& report, Context& context) {
+  Piece run(RoundingReport& report, BlendReport& blended, Context& context) {
     OverlayOptions options;
-    options.refinement = any_order(policy_) ? Refinement::full : Refinement::paste;
-    overlay_ = overlay(as_tin(near_), as_tin(tile_), options, context);
+    options.refinement = pastes(options_) ? Refinement::paste : Refinement::full;
+    const Tin near = as_tin(near_), tile = as_tin(tile_);
+    overlay_ = overlay(near, tile, options, context);
     if (policy_ == Overlap::min || policy_ == Overlap::max)
       overlay_ = split_where_surfaces_cross(std::move(overlay_), context);
     accumulate(report, overlay_.rounding);
+    if (policy_ == Overlap::blend && pastes(options_)) return bent(report, blended, context);
+    if (policy_ == Overlap::blend) {
+      Blended made = blend(std::move(overlay_), options_.blend, context);
+      overlay_ = std::move(made.overlay);
+      weight_ = std::move(made.weight);
+      accumulate(blended, made.report);
+    }
     Piece result;
     result.surface.points = std::move(overlay_.points);
     points_ = &result.surface.points;
     result.surface.faces = overlay_.faces;
     for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) fold(f, result);
+    if (options_.assembly.seam == Seam::ramp) return slope(near, tile, std::move(result), context);
     return result;
   }
 
@@ -91,6 +125,7 @@ class Step {
       result.contributors.push_back(sets_.with(set, rank_));
       return;
     }
+    if (a != none && b != none && policy_ == Overlap::blend && fades(f)) return fade(f, result);
     const int winner = a == none || (b != none && tile_wins(f)) ? 1 : 0;
     const Piece& from = winner == 0 ? near_ : tile_;
     const Index parent = winner == 0 ? a : b;
@@ -101,7 +136,64 @@ class Step {
     result.contributors.push_back(from.contributors[parent]);
   }
 
+  /// A tile pasted over keeps its heights wherever it is; else those of the overlap are kept. A mean of more tiles
+  /// jumps against one of fewer, though both surfaces are continuous.
+  Piece slope(const Tin& near, const Tin& tile, Piece result, Context& context) const {
+    RampGround ground;
+    for (std::size_t f = 0; f < overlay_.parents.size(); ++f) {
+      const auto& [a, b] = overlay_.parents[f];
+      const bool held = a != none && (b != none || pastes(options_));
+      const auto count = static_cast<int>(sets_.members(result.contributors[f]).size());
+      ground.rank.push_back(!held ? 0 : policy_ == Overlap::mean ? count : 1);
+      ground.origin.push_back(a != none ? std::array<Index, 2>{0, a} : std::array<Index, 2>{1, b});
+    }
+    ground.area = [&](Index input, Index face) {
+      const Tin& tin = input == 0 ? near : tile;
+      return area_in_plan(tin, tin.faces[face]);
+    };
+    const Meeting meeting = policy_ == Overlap::min   ? Meeting::lower
+                            : policy_ == Overlap::max ? Meeting::higher
+                                                      : Meeting::mean;
+    const std::vector<Index> classes = result.contributors;
+    ground.classes = &classes;
+    return sloped(std::move(result), ground, meeting, sets_, context);
+  }
+
+  double weight(Index f, int k) const { return weight_[3 * static_cast<std::size_t>(f) + k]; }
+  bool fades(Index f) const {
+    for (int k = 0; k < 3; ++k)
+      if (weight(f, k) != weight(f, 0)) return true;
+    return weight(f, 0) > 0 && weight(f, 0) < 1;
+  }
+
+  void fade(Index f, Piece& result) const {
+    for (int k = 0; k < 3; ++k) {
+      const double za = overlay_.height(0, f, k), zb = overlay_.height(1, f, k), w = weight(f, k);
+      result.surface.z.push_back(w == 1 ? za : zb + w * (za - zb));
+      result.surface.firm.push_back(0);
+    }
+    result.contributors.push_back(sets_.with(near_.contributors[overlay_.parents[f][0]], rank_));
+  }
+
+  /// Pasted, with the one bent to the other beside the seam.
+  Piece bent(RoundingReport& report, BlendReport& blended, Context& context) {
+    Bent made = bend(overlay_, options_.blend, context);
+    accumulate(report, made.rounding);
+    accumulate(blended, made.report);
+    Piece result{std::move(made.surface), {}};
+    for (std::size_t f = 0; f < made.from.size(); ++f) {
+      const auto [a, b] = overlay_.parents[made.from[f]];
+      const Piece& from = a != none ? near_ : tile_;
+      const Index parent = a != none ? a : b, set = from.contributors[parent];
+      for (const Index v : result.surface.faces[f])
+        result.surface.firm.push_back(!made.sloped[f] && is_firm(from, parent, result.surface.points[v]));
+      result.contributors.push_back(made.sloped[f] ? sets_.sloped(set) : set);
+    }
+    return result;
+  }
+
   bool tile_wins(Index f) const {
+    if (policy_ == Overlap::blend) return weight(f, 0) == 0;
     if (policy_ != Overlap::min && policy_ != Overlap::max) return false;
     double above = 0;
     for (int k = 0; k < 3; ++k) above += overlay_.height(1, f, k) - overlay_.height(0, f, k);
@@ -112,24 +204,35 @@ class Step {
   const Piece& tile_;
   int rank_;
   Overlap policy_;
+  const MergeOptions& options_;
   ContributorSets& sets_;
   Overlay overlay_;
+  std::vector<double> weight_;  // of near, where the two are blended
   const Array<Point2>* points_ = nullptr;
 };
 
-Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, Overlap policy,
-                       ContributorSets& sets, RoundingReport& report, Context& context) {
+/// How far a tile changes what is there.
+Box reach_of(const Box& tile, const MergeOptions& options) {
+  const Box box = widened(tile);
+  if (options.overlap != Overlap::blend || options.blend.side != BlendSide::inside) return box;
+  const double dx = 4 * options.blend.width / options.blend.metric.x;
+  const double dy = 4 * options.blend.width / options.blend.metric.y;
+  return {box.xmin - dx, box.ymin - dy, box.xmax + dx, box.ymax + dy};
+}
+
+Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, const MergeOptions& options,
+                       ContributorSets& sets, RoundingReport& report, BlendReport& blended, Context& context) {
   Mosaic mosaic;
   for (std::size_t rank = 0; rank < order.size(); ++rank) {
     context.progress("merge", static_cast<double>(rank) / static_cast<double>(order.size()));
     const Piece tile = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
-    const Box box = widened(bounds(tiles[order[rank]]));
+    const Box box = reach_of(bounds(tiles[order[rank]]), options);
     const Piece near = mosaic.take_near(box);
     if (near.contributors.empty()) {
       mosaic.add(tile);
       continue;
     }
-    Piece merged = Step(near, tile, static_cast<int>(rank), policy, sets).run(report, context);
+    Piece merged = Step(near, tile, static_cast<int>(rank), options, sets).run(report, blended, context);
     // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face
     // at a place inside the box is at hand; elsewhere nothing has changed.
     const CornersByPlace places = corners_by_place(merged.surface.faces, merged.surface.points.size());
@@ -137,6 +240,28 @@ Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& or
     mosaic.add(merged);
   }
   return mosaic.take_all();
+}
+
+/// The median, whose overlaps of more tiles hold against those of fewer.
+Piece median_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, Seam seam, ContributorSets& sets,
+                   RoundingReport& report, Context& context) {
+  RampGround ground;
+  Piece piece = median_surface(tiles, order, sets, report, context, &ground.origin);
+  if (seam != Seam::ramp) return piece;
+  std::vector<std::vector<Index>> without_walls(order.size());
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    const Tin& tile = tiles[order[rank]];
+    for (Index f = 0; f < static_cast<Index>(tile.faces.size()); ++f)
+      if (!is_wall(tile, tile.faces[f])) without_walls[rank].push_back(f);
+  }
+  for (const Index set : piece.contributors) ground.rank.push_back(static_cast<int>(sets.members(set).size()) - 1);
+  ground.area = [&](Index rank, Index face) {
+    const Tin& tile = tiles[order[rank]];
+    return area_in_plan(tile, tile.faces[without_walls[rank][face]]);
+  };
+  const std::vector<Index> classes = piece.contributors;
+  ground.classes = &classes;
+  return sloped(std::move(piece), ground, Meeting::mean, sets, context);
 }
 
 /// The surface cut off at a level: what lies beyond it becomes level. The level is one more surface wherever there is
@@ -217,7 +342,7 @@ void find_jumps(Merged& merged, const Piece& piece, const ContributorSets& sets,
   for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<int>(r);
   for (SeamPair& pair : merged.seams) pair.a = rank[pair.a], pair.b = rank[pair.b];
   merged.jumps = attribute_jumps(piece.surface, piece.contributors, sets, options.assembly.z_tolerance,
-                                 options.assembly.seam == Seam::wall, options.metric, merged.seams);
+                                 options.assembly.seam != Seam::split, options.metric, merged.seams);
   for (SeamPair& pair : merged.seams) {
     pair.a = order[pair.a], pair.b = order[pair.b];
     if (pair.a > pair.b) std::swap(pair.a, pair.b);
@@ -255,13 +380,17 @@ Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context
   ContributorSets sets(static_cast<int>(order.size()));
   RoundingReport report;
   Piece piece = options.overlap == Overlap::median
-                    ? median_surface(tiles, order, sets, report, context)
-                    : accumulate_tiles(tiles, order, options.overlap, sets, report, context);
+                    ? median_tiles(tiles, order, options.assembly.seam, sets, report, context)
+                    : accumulate_tiles(tiles, order, options, sets, report, merged.blend, context);
   if (options.level) piece = clamped(std::move(piece), *options.level, options.overlap, report, context);
   merged.bridged = bridge_gaps(piece, sets, options.gap, options.metric, context);
   sort_by_contributor(piece, sets);
   find_jumps(merged, piece, sets, order, options);
+  std::vector<std::uint8_t> slopes;
+  for (const Index set : piece.contributors) slopes.push_back(sets.is_sloped(set));
+  Tin ramps = faces_in_plan(piece.surface.points, piece.surface.faces, slopes);
   merged.surface = assemble(std::move(piece.surface), options.assembly, context);
+  merged.surface.ramps = std::move(ramps);
   accumulate(merged.surface.rounding, report);
   return merged;
 }

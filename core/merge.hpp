@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/blend.hpp"
 #include "core/gaps.hpp"
 #include "core/plan_metric.hpp"
 #include "core/surface.hpp"
@@ -12,7 +13,7 @@
 
 namespace terrane {
 
-enum class Overlap { first, last, min, max, mean, median, sum };
+enum class Overlap { first, last, min, max, mean, median, sum, blend };
 
 struct MergeOptions {
   Overlap overlap = Overlap::first;
@@ -20,6 +21,7 @@ struct MergeOptions {
   std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
   double gap = 0;                    // slits between tiles up to this width are bridged (core/gaps)
   PlanMetric metric = {};            // of the gap, and of what is said about seams
+  BlendOptions blend = {};           // of blend
 };
 
 /// What lies between two tiles, from the tiles as they came, before any policy. dz = height of b - height of a.
@@ -49,13 +51,15 @@ struct Merged {
   Bridged bridged;
   std::vector<SeamPair> seams;  // pairs that overlap or touch, ordered by (a, b)
   std::vector<SeamJump> jumps;  // those counted in the pairs, in their order and along x
+  BlendReport blend;
 };
 
 /// Tiles by their content alone, those first that merge() takes first: along x, then y; equal boxes by what is in them.
 std::vector<int> order_by_content(const std::vector<Tin>& tiles);
 
 /// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max,
-/// mean, median and sum give the same bytes for any order given; first and last paste in the order given. Where tiles
+/// mean, median and sum give the same bytes for any order given; first and last paste in the order given, and blend
+/// fades each tile into those before it (core/blend). Seam::ramp slopes jumps after every tile (core/ramp). Where tiles
 /// share only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows
 /// with the tiles: faces far from the tile being added are not visited by its overlay.
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);

@@ -72,7 +72,7 @@ void append(const Piece& from, Places& places, Piece& to) {
 
 }  // namespace
 
-ContributorSets::ContributorSets(int tiles) {
+ContributorSets::ContributorSets(int tiles) : sloped_(tiles) {
   for (int t = 0; t < tiles; ++t) sets_.push_back({t});
 }
 
@@ -82,6 +82,16 @@ Index ContributorSets::with(Index set, int tile) {
   std::vector<int> members = sets_[set];
   members.insert(std::lower_bound(members.begin(), members.end(), tile), tile);
   sets_.push_back(std::move(members));
+  sloped_.push_back(sloped_[set]);
+  return it->second;
+}
+
+Index ContributorSets::sloped(Index set) {
+  if (sloped_[set]) return set;
+  const auto [it, fresh] = made_.try_emplace({set, -1}, static_cast<Index>(sets_.size()));
+  if (!fresh) return it->second;
+  sets_.push_back(std::vector(sets_[set]));
+  sloped_.push_back(true);
   return it->second;
 }
 

@@ -19,10 +19,14 @@ class ContributorSets {
   explicit ContributorSets(int tiles);
   Index single(int tile) const { return tile; }
   Index with(Index set, int tile);
+  /// The same tiles, for faces whose heights are no longer what the policy makes of them: ramps.
+  Index sloped(Index set);
+  bool is_sloped(Index set) const { return sloped_[set]; }
   const std::vector<int>& members(Index set) const { return sets_[set]; }
 
  private:
   std::vector<std::vector<int>> sets_;  // sorted; the first are the tiles alone
+  std::vector<bool> sloped_;
   std::map<std::pair<Index, int>, Index> made_;
 };
 

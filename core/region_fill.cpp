@@ -38,9 +38,9 @@ struct Filler {
   std::unordered_map<Index, VertexHandle> handles;
 
   template <class PointOf>
-  bool insert(std::span<const BorderEdge> border, PointOf&& point_of) {
-    std::vector<Index> used;
-    used.reserve(2 * border.size());
+  bool insert(std::span<const BorderEdge> border, std::span<const Index> inner, PointOf&& point_of) {
+    std::vector<Index> used(inner.begin(), inner.end());
+    used.reserve(2 * border.size() + inner.size());
     for (const BorderEdge& e : border) used.insert(used.end(), {e.from, e.to});
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -108,10 +108,10 @@ struct Filler {
   }
 
   template <class PointOf>
-  FilledRegion fill(std::span<const BorderEdge> border, PointOf&& point_of) {
+  FilledRegion fill(std::span<const BorderEdge> border, std::span<const Index> inner, PointOf&& point_of) {
     FilledRegion region;
     std::vector<FaceHandle> seeds, order;
-    if (!insert(border, point_of) || !mark(border, seeds) || !flood(seeds, region, order)) return {};
+    if (!insert(border, inner, point_of) || !mark(border, seeds) || !flood(seeds, region, order)) return {};
     region.sound = true;
     region.faces.reserve(order.size());
     region.across.reserve(order.size());
@@ -133,14 +133,15 @@ struct Filler {
 
 }  // namespace
 
-FilledRegion fill_region(std::span<const Point2> points, std::span<const BorderEdge> border) {
+FilledRegion fill_region(std::span<const Point2> points, std::span<const BorderEdge> border,
+                         std::span<const Index> inner) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  return Filler<Kernel>().fill(border, [&](Index v) { return Kernel::Point_2(points[v].x, points[v].y); });
+  return Filler<Kernel>().fill(border, inner, [&](Index v) { return Kernel::Point_2(points[v].x, points[v].y); });
 }
 
 FilledRegion fill_region_exactly(std::span<const Point2> points, const std::function<ExactPlace(Index)>& place,
                                  std::span<const BorderEdge> border) {
-  return Filler<ExactKernel>().fill(border, [&](Index v) { return exact_point(place(v), points[v]); });
+  return Filler<ExactKernel>().fill(border, {}, [&](Index v) { return exact_point(place(v), points[v]); });
 }
 
 }  // namespace terrane

@@ -27,8 +27,10 @@ struct FilledRegion {
 };
 
 /// Constrained Delaunay triangulation of the region to the left of `border`: several components, holes and islands at
-/// will. Exact predicates; no point is ever constructed. O(b log b).
-FilledRegion fill_region(std::span<const Point2> points, std::span<const BorderEdge> border);
+/// will. An edge with the region on both sides is given in both directions. `inner` are vertices inside the region that
+/// no border edge ends at. Exact predicates; no point is ever constructed. O(b log b).
+FilledRegion fill_region(std::span<const Point2> points, std::span<const BorderEdge> border,
+                         std::span<const Index> inner = {});
 
 /// The same, decided at exact places, for regions whose doubles no longer say how they hang together.
 FilledRegion fill_region_exactly(std::span<const Point2> points, const std::function<ExactPlace(Index)>& place,

@@ -152,8 +152,6 @@ void accumulate(RoundingReport& sum, const RoundingReport& more) {
 }
 
 Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& context) {
-  if (assembly.seam == Seam::ramp)
-    throw Error(ErrorKind::internal, "seam-ramp", "seam=ramp cannot be assembled from corner heights");
   Assembled result;
   PlanarMesh mesh;
   // Every round leaves edges whose jump keeps its sign; rounding a zero point onto an end can give another edge there a
@@ -173,7 +171,7 @@ Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& con
     connect(mesh);
     const std::vector<EdgeCut> cuts = sign_changes(surface, mesh.neighbours);
     if (cuts.empty()) {
-      Walled walled = raise(surface, mesh.neighbours, assembly.seam == Seam::wall);
+      Walled walled = raise(surface, mesh.neighbours, assembly.seam != Seam::split);
       result.wall_area = walled.wall_area;
       result.tin = canonical(std::move(walled.tin), context);
       context.progress("assemble", 1);

@@ -151,6 +151,12 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
   const Tin& tin = std::get<Tin>(outcome.result);
   const RoundingReport rounding = outcome.rounding.value_or(RoundingReport{});
   const double in_plan = plan_area(tin, context);
+  nlohmann::json approximated = outcome.approximation;
+  if (approximated.is_null()) approximated = nlohmann::json::object();
+  if (!approximated.contains("max_error"))  // else it tells the whole
+    if (const nlohmann::json rasters = approximation(plan, frame, surfaces); !rasters.is_null())
+      approximated.update(rasters);
+  if (approximated.empty()) approximated = nullptr;
   nlohmann::json balance;
   if (outcome.expected_area) {
     // In squared CRS units, degrees included: this is about the mesh, not about the ground.
@@ -172,8 +178,7 @@ nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vect
                           {{"max_plan_shift", std::max(rounding.max_move, rounding.max_snap)},
                            {"max_height_error", heights.max_error},
                            {"points_checked", heights.points},
-                           {"approximation", outcome.approximation.is_null() ? approximation(plan, frame, surfaces)
-                                                               : outcome.approximation}}},
+                           {"approximation", approximated}}},
                          {"rounding", outcome.rounding ? rounding_json(rounding) : nlohmann::json()},
                          {"area_balance", balance},
                          {"reprojection", frame.reprojection},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/box.hpp"
 #include "core/error.hpp"
 #include "ops/input_format.hpp"
 #include "ops/measure.hpp"
@@ -22,6 +23,15 @@ void warn_of_bias(const SeamPair& pair, const std::vector<std::string>& names, C
                     (pair.dz_median > 0 ? "above" : "below") + " '" + names[pair.a] +
                     "' where they overlap, more than their scatter explains",
                 "check their vertical datums and units"});
+}
+
+/// Widths count at the middle of the tiles where the CRS has degrees.
+BlendOptions blend_options(const std::vector<Tin>& tiles, const Crs& crs, const MergeParameters& p) {
+  Box all = no_box;
+  for (const Tin& tile : tiles)
+    if (!tile.faces.empty()) all = around(all, bounds(tile));
+  return {plan_length(p.blend_width, crs), p.blend_side, height(p.blend_tolerance, crs),
+          plan_metric(crs).at((all.ymin + all.ymax) / 2)};
 }
 
 }  // namespace
@@ -61,6 +71,7 @@ Merged merged(const MergeTiles& tiles, const Crs& crs, const MergeParameters& p,
   options.level = tiles.level;
   options.gap = plan_length(p.gap, crs);
   options.metric = plan_metric(crs);
+  if (p.overlap == Overlap::blend) options.blend = blend_options(*tiles.tiles, crs, p);
   Merged merged = merge(*tiles.tiles, options, context);
   if (merged.surface.max_closed_jump > 0 && tolerance > 0)
     context.warn(
@@ -86,11 +97,23 @@ nlohmann::json merge_report(const MergeTiles& tiles, const Merged& merged, const
   return report;
 }
 
+nlohmann::json blend_report(const Merged& merged, const Crs& crs, const MergeParameters& p) {
+  return {{"tolerance", height(p.blend_tolerance, crs)},
+          {"bound", merged.blend.bound},
+          {"against", "the exact blend, everywhere on the faces"},
+          {"vertices_made", merged.blend.made},
+          {"unresolved", {{"places", merged.blend.corners}, {"radius", merged.blend.radius}}}};
+}
+
 void check_merge(const nlohmann::json& parameters, const std::vector<InputPart>& inputs) {
   const InputSlot slot = tiles_slot();
   std::size_t levels = 0;
   for (const InputPart& part : inputs) levels += level_of(part, slot).has_value();
   const auto p = filled<MergeParameters>(parameters);
+  if (p.overlap == Overlap::blend && !(p.blend_width.value > 0))
+    throw Error(ErrorKind::usage, "blend-width", "overlap=blend needs blend-width, greater than 0");
+  if (p.overlap == Overlap::blend && !(p.blend_tolerance.value > 0))
+    throw Error(ErrorKind::usage, "blend-tolerance", "blend-tolerance must be greater than 0");
   if (levels > 0 && p.overlap != Overlap::min && p.overlap != Overlap::max)
     throw Error(ErrorKind::usage, "level-as-tile",
                 "a number as a tile is a level, which overlap=min and overlap=max know; overlap is '" +

@@ -19,6 +19,8 @@ struct MergeParameters {
   Overlap overlap = Overlap::first;
   Seam seam = Seam::wall;
   Length z_tolerance, snap, gap, wall_offset;
+  Length blend_width, blend_tolerance = {0.01, "m"};
+  BlendSide blend_side = BlendSide::both;
 
   void visit(Fields& f) {
     f.choice(
@@ -29,11 +31,23 @@ struct MergeParameters {
          {"max", Overlap::max},
          {"mean", Overlap::mean},
          {"median", Overlap::median},
-         {"sum", Overlap::sum}},
+         {"sum", Overlap::sum},
+         {"blend", Overlap::blend}},
         "Which height holds where tiles overlap: that of the first or last tile in the order given, the lowest, the "
-        "highest, their mean, their median (of an even number the mean of the middle two), or their sum.");
-    f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
-             "What happens where heights jump at a seam: closed by vertical faces, or left open.");
+        "highest, their mean, their median (of an even number the mean of the middle two), their sum, or a blend that fades "
+        "each tile into those before it.");
+    f.length("blend-width", blend_width, {.minimum = 0},
+             "How far from a tile's border the blend reaches, in plan; overlap=blend needs it. Where an overlap is "
+             "narrower it fades across the whole of it.");
+    f.choice("blend-side", blend_side,
+             {{"both", BlendSide::both}, {"inside", BlendSide::inside}, {"outside", BlendSide::outside}},
+             "Who gives way: both tiles within their overlap; inside: the earlier tile, within its border; outside: "
+             "the later one beyond the border of the earlier, which stays untouched (a survey before a national DEM).");
+    f.length("blend-tolerance", blend_tolerance, {.minimum = 0},
+             "Faces are refined until they are nowhere further than this from the exact blend, in height.");
+    f.choice("seam", seam, {{"wall", Seam::wall}, {"ramp", Seam::ramp}, {"split", Seam::split}},
+             "What happens where heights jump at a seam: closed by vertical faces, sloped down outside the overlap "
+             "within the faces that its border cuts or touches, or left open.");
     f.length("z-tolerance", z_tolerance, {.minimum = 0}, "Jumps up to this height are closed without a wall.");
     f.length("snap", snap, {.minimum = 0},
              "Border vertices are moved onto the nearest border vertex or edge of another tile within this distance in "
@@ -60,6 +74,9 @@ Merged merged(const MergeTiles& tiles, const Crs& crs, const MergeParameters& p,
 
 /// The seam report with what snapping and bridging did.
 nlohmann::json merge_report(const MergeTiles& tiles, const Merged& merged, const Crs& crs);
+
+/// What the blend comes to, for accuracy.approximation.
+nlohmann::json blend_report(const Merged& merged, const Crs& crs, const MergeParameters& p);
 
 /// Refuses numbers beside policies that know none. Made before anything is decoded.
 void check_merge(const nlohmann::json& parameters, const std::vector<InputPart>& inputs);

@@ -7,6 +7,7 @@
 #include "ops/measure.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
+#include "ops/ramps.hpp"
 #include "ops/seams.hpp"
 #include "ops/union_area.hpp"
 
@@ -22,8 +23,9 @@ struct AddParameters {
         "outside", outside, {{"keep", Outside::keep}, {"drop", Outside::drop}, {"zero", Outside::zero}},
         "What is returned where only one surface exists: keep it at its own height, drop it, or take the missing one "
         "as height 0.");
-    f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
-             "What happens where heights jump at the border of the overlap: closed by vertical faces, or left open.");
+    f.choice("seam", seam, {{"wall", Seam::wall}, {"ramp", Seam::ramp}, {"split", Seam::split}},
+             "What happens where heights jump at the border of the overlap: closed by vertical faces, sloped down "
+             "within the faces that the border cuts or touches, or left open.");
   }
 };
 
@@ -62,6 +64,7 @@ Outcome run(std::vector<Surface>& inputs, const AddParameters& p, Context& conte
   }
   outcome.certificate["seams"] = seam_report(measured.seams, {a.name, b.name});
   outcome.expected_height = sum_of_heights(p.outside);
+  leave_ramps_out(std::move(sum.ramps), "ramps", a.crs, outcome, context);
   outcome.rounding = sum.rounding;
   outcome.result = std::move(sum.tin);
   return outcome;

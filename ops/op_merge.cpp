@@ -6,6 +6,7 @@
 #include "ops/measure.hpp"
 #include "ops/merging.hpp"
 #include "ops/operations.hpp"
+#include "ops/ramps.hpp"
 #include "ops/union_area.hpp"
 
 namespace terrane {
@@ -42,6 +43,7 @@ HeightFold folded(Overlap overlap, std::optional<double> level) {
       }
       if (overlap == Overlap::min) result = {std::min(result->low, z->low), std::min(result->high, z->high)};
       if (overlap == Overlap::max) result = {std::max(result->low, z->low), std::max(result->high, z->high)};
+      if (overlap == Overlap::blend) result = {std::min(result->low, z->low), std::max(result->high, z->high)};
       if (overlap == Overlap::sum || overlap == Overlap::mean) result = {result->low + z->low, result->high + z->high};
     }
     if (result && overlap == Overlap::mean) result = {result->low / count, result->high / count};
@@ -62,9 +64,12 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   if (outcome.expected_area) *outcome.expected_area += merged.bridged.area;
   outcome.certificate = merge_report(tiles, merged, crs);
   // The fields look at the tiles, which the fold keeps.
-  outcome.expected_height = [fold = folded(p.overlap, tiles.level), kept = tiles.tiles](const auto& z) {
+  const bool bent = p.overlap == Overlap::blend && p.blend_side != BlendSide::both;
+  outcome.expected_height = [fold = folded(bent ? Overlap::first : p.overlap, tiles.level), kept = tiles.tiles](const auto& z) {
     return fold(z);
   };
+  leave_ramps_out(std::move(merged.surface.ramps), bent ? "bent" : "ramps", crs, outcome, context);
+  if (p.overlap == Overlap::blend) outcome.approximation["blend"] = blend_report(merged, crs, p);
   outcome.rounding = merged.surface.rounding;
   if (const double offset = plan_length(p.wall_offset, crs); offset > 0 && p.seam == Seam::wall) {
     Leaned leaned = lean_walls(merged.surface.tin, offset, plan_metric(crs), context);

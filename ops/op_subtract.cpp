@@ -8,6 +8,7 @@
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
+#include "ops/ramps.hpp"
 #include "ops/union_area.hpp"
 
 namespace terrane {
@@ -22,8 +23,9 @@ struct SubtractParameters {
     f.choice(
         "outside", outside, {{"drop", Outside::drop}, {"zero", Outside::zero}},
         "What is returned where only one surface exists: nothing, or the difference with the missing one at height 0.");
-    f.choice("seam", seam, {{"wall", Seam::wall}, {"split", Seam::split}},
-             "What happens where heights jump at the border of the overlap: closed by vertical faces, or left open.");
+    f.choice("seam", seam, {{"wall", Seam::wall}, {"ramp", Seam::ramp}, {"split", Seam::split}},
+             "What happens where heights jump at the border of the overlap: closed by vertical faces, sloped down "
+             "within the faces that the border cuts or touches, or left open.");
     f.boolean("allow-empty", allow_empty, "Return an empty surface, with a warning, where the two do not overlap.");
   }
 };
@@ -75,6 +77,7 @@ Outcome run(std::vector<Surface>& inputs, const SubtractParameters& p, Context& 
   }
   if (united) outcome.expected_area = p.outside == Outside::zero ? *united : area_a + area_b - *united;
   outcome.expected_height = difference_of_heights(p.outside);
+  leave_ramps_out(std::move(difference.ramps), "ramps", minuend.crs, outcome, context);
   outcome.rounding = difference.rounding;
   outcome.result = std::move(difference.tin);
   return outcome;

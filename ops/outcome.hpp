@@ -43,7 +43,7 @@ struct Outcome {
   HeightFold expected_height;  // null: nothing to check heights against
   HeightFields fields;         // where the run has needed them; else the check makes its own
   std::optional<double> expected_area;  // of the result in plan, in squared CRS units
-  nlohmann::json approximation;         // what is not exact by design, where it is not the triangulation of rasters
+  nlohmann::json approximation;         // what is not exact by design, beside or instead of the triangulation of rasters
   nlohmann::json certificate = nlohmann::json::object();  // joins the certificate: "seams"
   bool verify = true;  // false: returned whatever its topology is (convert)
 };

@@ -11,8 +11,10 @@
 #include <numeric>
 #include <sstream>
 
+#include "core/merge.hpp"
 #include "ops/request.hpp"
 #include "support/checks.hpp"
+#include "support/terrains.hpp"
 
 namespace terrane {
 namespace {
@@ -201,6 +203,59 @@ TEST_F(RealTerrain, quarters_that_share_a_row_meet_without_a_crack) {
     EXPECT_EQ(merged.report["output"]["walls"], 0);
     EXPECT_NEAR(merged.report["area_balance"]["actual"].get<double>(), 1, 1e-12);  // one degree by one degree
     expect_order_free(tiles, parameters);
+  }
+}
+
+TEST_F(RealTerrain, seams_of_four_windows_are_ramped_under_every_policy) {
+  std::vector<InputPart> tiles;
+  for (const std::string corner : {"nw", "ne", "sw", "se"}) {
+    const Response made = run("triangulate", {file("dem", "balearic/window_" + corner + ".tif")},
+                              {{"max-error", "10"}, {"target-crs", "EPSG:25831"}}, "ply");
+    tiles.push_back(tin("tiles", corner, made));
+  }
+  for (const std::string overlap : {"first", "last", "min", "max", "mean", "median", "sum"}) {
+    SCOPED_TRACE(overlap);
+    const Response walls = run("merge", tiles, {{"overlap", overlap}}, "ply");
+    const Response ramps = run("merge", tiles, {{"overlap", overlap}, {"seam", "ramp"}}, "ply");
+    expect_clean(ramps.report);
+    EXPECT_LT(ramps.report["output"]["walls"].get<int>(), walls.report["output"]["walls"].get<int>() / 20 + 1);
+    EXPECT_LT(ramps.report["accuracy"]["max_height_error"], 1e-6);
+    EXPECT_LT(ramps.report["ramps"]["area_2d"], 0.05 * ramps.report["output"]["area_2d"].get<double>());
+    if (overlap != "first" && overlap != "last") expect_order_free(tiles, {{"overlap", overlap}, {"seam", "ramp"}});
+  }
+}
+
+/// Two epochs of a gully, the newer one surveyed in its middle only: the part of a TIN in a box.
+Tin within(const Tin& tin, const Box& box) {
+  return support::without(tin, [&](Point2 c) {
+    return c.x < box.xmin || c.x > box.xmax || c.y < box.ymin || c.y > box.ymax;
+  });
+}
+
+TEST_F(RealTerrain, epochs_are_blended_without_a_cliff) {
+  std::vector<Tin> epochs;
+  for (const int year : {2016, 2004})
+    epochs.push_back(decoded(run("triangulate", {file("dem", "epochs/fortbragg_dem_" + std::to_string(year) + ".tif")},
+                                 {{"max-error", "0.2"}}, "ply")));
+  const Tin survey = within(epochs[0], {597300, 150700, 597500, 150900});
+  Context context;
+  for (const BlendSide side : {BlendSide::both, BlendSide::inside, BlendSide::outside}) {
+    SCOPED_TRACE(static_cast<int>(side));
+    MergeOptions options{Overlap::blend};
+    options.blend = {30, side, 0.02, {1, 1}};
+    const Merged merged = merge({survey, epochs[1]}, options, context);
+    EXPECT_LE(merged.blend.bound, 0.02);
+    EXPECT_EQ(support::wrong_with(merged.surface.tin), "");
+    EXPECT_EQ(merged.surface.wall_area, 0) << "no cliff at either end of the band";
+    const support::Sampler z(merged.surface.tin), of_survey(survey), before(epochs[1]);
+    int far = 0;
+    for (const Point2 p : support::random_places({597220, 150600, 597620, 151000}, 20000, 4)) {
+      const double depth = std::min({p.x - 597300, 597500 - p.x, p.y - 150700, 150900 - p.y});
+      if (depth > 40) EXPECT_NEAR(z(p), of_survey(p), 0.02);
+      if (depth < -40) EXPECT_NEAR(z(p), before(p), 0.02);
+      far += std::fabs(depth) > 40;
+    }
+    EXPECT_GT(far, 8000);
   }
 }
 

@@ -188,7 +188,10 @@ TEST(Assemble, SurfacesThatCrossBesideTheTipOfAThinFaceMeetThere) {
 
 TEST(Assemble, NothingBecomesNothing) { EXPECT_TRUE(assembled({}).tin.faces.empty()); }
 
-TEST(Assemble, RampIsRefused) { EXPECT_THROW(assembled(two_squares({1, 2}, {5, 4}), Seam::ramp), Error); }
+TEST(Assemble, WhatCouldNotBeRampedGetsWalls) {
+  EXPECT_EQ(assembled(two_squares({1, 2}, {5, 4}), Seam::ramp).tin,
+            assembled(two_squares({1, 2}, {5, 4}), Seam::wall).tin);
+}
 
 Overlay crossing(const char* a, const char* b) {
   Context context;
