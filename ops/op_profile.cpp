@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "core/profile_chart.hpp"
 #include "core/section.hpp"
+#include "core/validate.hpp"
 #include "ops/columns.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"
@@ -50,7 +51,13 @@ struct Profiles {
 std::vector<Point2> places_of(const Line& line) {
   std::vector<Point2> places;
   for (const Point& p : line)
-    if (places.empty() || !(places.back() == plan(p))) places.push_back(plan(p));
+    if (!(std::max(std::fabs(p.x), std::fabs(p.y)) <= largest_coordinate)) {
+      throw Error(ErrorKind::input, "overflow",
+                  "parameter 'line': the place " + nlohmann::json(p.x).dump() + ", " + nlohmann::json(p.y).dump() +
+                      " is too far away to compute with; coordinates up to 1e100 can be");
+    } else if (places.empty() || !(places.back() == plan(p))) {
+      places.push_back(plan(p));
+    }
   return places;
 }
 

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/rasterize.hpp"
 #include "core/ticks.hpp"
+#include "core/validate.hpp"
 #include "ops/grid.hpp"
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
@@ -53,7 +54,8 @@ struct CellSize {
     } else {
       size.length = Length::parse(text, "cell-size");
     }
-    if (!(size.degrees + size.length.value > 0)) refuse("parameter 'cell-size' must be above 0");
+    const double value = size.degrees + size.length.value;
+    if (!(value > 0 && value <= largest_coordinate)) refuse("parameter 'cell-size' must be above 0, and at most 1e100");
     return size;
   }
 
@@ -70,6 +72,8 @@ void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
   if (!p.cell_size.empty()) CellSize::parse(p.cell_size);
   if (!p.bbox.empty() && !(p.bbox.size() == 4 && p.bbox[0] < p.bbox[2] && p.bbox[1] < p.bbox[3]))
     refuse("parameter 'bbox' takes xmin,ymin,xmax,ymax, with xmin < xmax and ymin < ymax");
+  for (const double edge : p.bbox)
+    if (!(std::fabs(edge) <= largest_coordinate)) refuse("parameter 'bbox' takes coordinates up to 1e100");
   if (like && (!p.cell_size.empty() || !p.bbox.empty() || p.width || p.height))
     refuse("'like' says which cells the result has; cell-size, bbox, width and height cannot say so too");
   if (!p.cell_size.empty() && (p.width || p.height)) refuse("give either cell-size, or width and height");

@@ -226,6 +226,8 @@ TEST(Rasterize, RefusesWhatCannotBeMade) {
   EXPECT_NE(std::string(many.what()).find("100000 x 100000"), std::string::npos) << many.what();
   EXPECT_EQ(of({{"cell-size", "1e-300"}}).kind, ErrorKind::limit);
   EXPECT_EQ(of({{"cell-size", "0"}}).kind, ErrorKind::usage);
+  EXPECT_EQ(of({{"cell-size", "1e300"}}).kind, ErrorKind::usage);
+  EXPECT_EQ(of({{"bbox", "-1e300,0,1e300,1"}, {"width", "1"}, {"height", "1"}}).kind, ErrorKind::usage);
   EXPECT_EQ(of({{"cell-size", "-5"}}).kind, ErrorKind::usage);
   EXPECT_EQ(of({{"cell-size", "wide"}}).kind, ErrorKind::usage);
   EXPECT_EQ(of({{"cell-size", "5"}, {"width", "3"}}).kind, ErrorKind::usage);
@@ -319,7 +321,9 @@ TEST(Profile, RefusesWhatIsNoLine) {
   EXPECT_EQ(refusal({"profile", {part("surface", ramp)}}).kind, ErrorKind::usage);
   EXPECT_EQ(refusal({"profile", {part("surface", ramp)}, {{"line", "470000,4380050"}}}).code, "no-line");
   EXPECT_EQ(refusal({"profile", {part("surface", ramp)}, {{"line", "470000,4380050,470000,4380050"}}}).code, "no-line");
+  EXPECT_EQ(refusal({"profile", {part("surface", ramp)}, {{"line", "0,0,1e300,1"}}}).code, "overflow");
   EXPECT_TRUE(warned(run({"profile", {part("surface", ramp)}, {{"line", "0,0,1,1"}}}), "no-overlap"));
+  EXPECT_TRUE(warned(run({"profile", {part("surface", ramp)}, {{"line", "-1e99,0,1e99,1"}}}), "no-overlap"));
 }
 
 TEST(Sample, HeightsAtPointsAndNothingOutside) {
