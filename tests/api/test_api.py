@@ -304,6 +304,34 @@ class Executions(unittest.TestCase):
         self.assertEqual({v[2] for v in read_obj(terraces.body)[0]}, {0, 5, 10})
         self.assertEqual(service.post_form("threshold", [("surface", grids[0])], query).status, 400)
 
+    def test_heights_at_cells_along_lines_and_at_points(self):
+        square = ("surface", File("west.obj", WEST))
+        raster = service.post_form("rasterize", [square, ("cell-size", "25")], "?f=asc&assume-crs=EPSG:25831")
+        self.assertEqual(raster.status, 200, raster.body)
+        self.assertIn(b"ncols 4\nnrows 4\n", raster.body)
+        again = service.post_form("rasterize", [square, ("like", File("like.asc", raster.body))],
+                                  "?f=asc&assume-crs=EPSG:25831")
+        self.assertEqual(again.body, raster.body)
+        tiff = service.post_form("rasterize", [square, ("cell-size", "25")], "?assume-crs=EPSG:25831")
+        self.assertEqual((tiff.status, tiff.media_type, tiff.body[:2]), (200, "image/tiff", b"II"))
+        line = service.post_form("profile", [square, ("line", "0,50,100,50")], "?assume-crs=EPSG:25831")
+        self.assertEqual((line.status, line.media_type), (200, "text/csv"), line.body)
+        self.assertEqual(line.body.decode().splitlines()[:2], ["distance,x,y,z", "0,0,50,10"])
+        chart = service.post_form("profile", [square, ("line", "0,50,100,50")], "?f=png&assume-crs=EPSG:25831")
+        self.assertTrue(chart.body.startswith(b"\x89PNG"), chart.body[:300])
+        points = json.dumps({"type": "MultiPoint", "coordinates": [[10, 20], [500, 500]]})
+        heights = service.post_form("sample", [square, ("points", File("points.geojson", points))],
+                                    "?assume-crs=EPSG:25831&points-crs=EPSG:25831")
+        self.assertEqual(heights.body.decode(), "x,y,z\n10,20,10\n500,500,\n")
+        for operation, parts, status in (("profile", [square], 400), ("profile", [square, ("line", "1,1")], 422),
+                                         ("sample", [square, ("points", "POINT EMPTY")], 422),
+                                         ("rasterize", [square, ("cell-size", "-1")], 400),
+                                         ("rasterize", [square, ("cell-size", "0.0001")], 413),
+                                         ("rasterize", [square, ("like", File("w.obj", WEST))], 422)):
+            answer = service.post_form(operation, parts, "?assume-crs=EPSG:25831")
+            self.assertEqual(answer.status, status, (operation, answer.body))
+            self.assertEqual(answer.media_type, "application/problem+json")
+
     def test_the_media_type_or_the_name_or_the_magic_tells_the_format(self):
         for part in (File("x", WEST, "model/obj"), File("west.obj", WEST), File("x", WEST)):
             answer = self.merged(part, File("east.obj", EAST))

@@ -26,6 +26,19 @@ expect 2 convert a.obj -o c.obj --output=d.obj
 expect 2 convert a.obj -o c.obj --report c.json --report d.json
 expect 2 convert a.obj -o c.obj --format obj -f ply
 expect 2 convert a.obj -o missing/c.obj
+expect 0 rasterize a.obj --cell-size 0.25 -o a.asc
+expect 0 rasterize a.obj --like a.asc -o like.asc
+expect 0 rasterize a.obj a.asc -o second.asc
+cmp a.asc like.asc && cmp a.asc second.asc || failed=1
+expect 2 rasterize a.obj a.asc --like a.asc -o c.asc
+expect 2 rasterize a.obj --like a.asc --cell-size 1 -o c.asc
+expect 0 profile a.obj --line 0,0,1,1 -o a.csv
+expect 0 profile a.obj a.obj --line -1,0.25,1,0.25 -o a.png
+expect 2 profile a.obj -o c.csv
+expect 0 sample a.obj --points '0.1,0.1;5,5' -o points.geojson
+printf 'POINT (0.1 0.1)' > point.wkt
+expect 0 sample a.obj --points point.wkt
+[ "$(tail -n 1 out)" = 0.1,0.1,0 ] || { echo "sample says $(cat out)"; failed=1; }
 [ ! -e c.obj ] || { echo "a refused command left c.obj"; failed=1; }
 [ ! -c /dev/full ] || expect 4 convert a.obj --format obj -o /dev/full
 

@@ -193,3 +193,22 @@ TEST(FaceGrid, ThinFacesAcrossTheWholeGrid) {
   const Section s = section_of({tin}, {{900, -1}, {900, 901}});
   EXPECT_EQ(s.rows.size(), 3001u + 4);
 }
+
+TEST(Section, LargeSurfacesTakeAMoment) {
+  // Half a million faces on z = x + 2 y; whole numbers, so that the line meets a vertex every so often.
+  Raster dem;
+  dem.width = dem.height = 501;
+  dem.dx = dem.dy = 1;
+  dem.y0 = 500;
+  for (int j = 0; j < 501; ++j)
+    for (int i = 0; i < 501; ++i) dem.samples.push_back(i + 2.0 * (500 - j));
+  const Tin tin = tin_of(dem);
+  const Section s = section_of({tin}, {{-10, 100}, {510, 360}, {250, -5}});
+  EXPECT_GT(s.rows.size(), 1500u);
+  for (std::size_t k = 0; k < s.rows.size(); ++k)
+    if (!std::isnan(s.z[k])) ASSERT_NEAR(s.z[k], s.rows[k].at.x + 2 * s.rows[k].at.y, 1e-9);
+  const FaceGrid grid(tin);
+  double sum = 0;
+  for (int k = 0; k < 1'000'000; ++k) sum += grid.height({(k % 997) * 0.5, (k % 991) * 0.5}).value_or(-1e9);
+  EXPECT_GT(sum, 0);
+}
