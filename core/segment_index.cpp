@@ -21,7 +21,7 @@ SegmentIndex::SegmentIndex(std::vector<std::array<Point2, 2>> segments, double r
                     1e-9 * std::max(box.xmax - box.xmin, box.ymax - box.ymin)});
   if (!(size_ > 0)) size_ = 1;
   for (Index i = 0; i < static_cast<Index>(segments_.size()); ++i) {
-    auto [p, q] = segments_[i];
+    Point2 p = segments_[i][0], q = segments_[i][1];
     if (p.y > q.y) std::swap(p, q);
     // Row by row, the columns the segment passes there, a little widened against rounding.
     for (std::int64_t row = at(p.y, origin_.y); row <= at(q.y, origin_.y); ++row) {
