@@ -21,8 +21,8 @@ constexpr double a_little_more = 1 + 1e-9;
 /// Makes the vertices by which borders that face each other meet square across.
 class Facing {
  public:
-  Facing(Piece piece, double gap, const PlanMetric& metric)
-      : editor_(std::move(piece)), gap_(gap), metric_(metric), index_(segments(), 2 * widest()) {}
+  Facing(Piece piece, double gap, const PlanMetric& metric, const Context& context)
+      : editor_(std::move(piece)), gap_(gap), metric_(metric), context_(context), index_(segments(), 2 * widest()) {}
 
   Piece run() {
     feet_of_vertices();
@@ -61,30 +61,51 @@ class Facing {
 
   Index contributor(Index face) const { return editor_.piece().contributors[face]; }
 
+  /// An edge and how far it is from a place.
+  struct Near {
+    double distance;
+    Index edge;
+    bool operator<(const Near& other) const { return std::tie(distance, edge) < std::tie(other.distance, other.edge); }
+  };
+  std::vector<Near> nearest_edges(Point2 p) {
+    index_.near(metric_.around(p, gap_), found_);
+    std::vector<Near> list;
+    for (const Index e : found_) {
+      const Point2 a = editor_.at(editor_.edges()[e].from), b = editor_.at(editor_.edges()[e].to);
+      const double d = metric_.distance(p, point_along(a, b, nearest_fraction(a, b, p, metric_)));
+      if (d <= gap_) list.push_back({d, e});
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+  }
+
   void feet_of_vertices() {
-    std::vector<Index> near;
+    constexpr int enough = 8;  // where slits meet a vertex faces two or three edges
     for (const Index v : editor_.border()) {
-      const Point2 p = editor_.at(v);
-      index_.near(metric_.around(p, gap_), near);
-      for (const Index e : near) {
-        const auto& star = editor_.star(v);
-        const Index other = contributor(editor_.edges()[e].face);
+      context_.stop_if_cancelled();
+      const std::vector<Near> near = nearest_edges(editor_.at(v));
+      const auto& star = editor_.star(v);
+      int feet = 0;
+      for (std::size_t i = 0; i < near.size() && feet < enough; ++i) {
+        const Index other = contributor(editor_.edges()[near[i].edge].face);
         if (std::all_of(star.begin(), star.end(), [&](Index f) { return contributor(f) == other; })) continue;
-        add_foot(p, v, none, e, near);
+        feet += add_foot(editor_.at(v), v, none, near[i].edge, near);
       }
     }
   }
 
   /// The foot of a place on an edge that faces it, unless another edge lies between. `v`: the vertex that stands there,
-  /// or none; `own`: the edge that the place lies on.
-  bool add_foot(Point2 p, Index v, Index own, Index e, const std::vector<Index>& near) {
+  /// or none; `own`: the edge that the place lies on; `near`: the edges near the place.
+  bool add_foot(Point2 p, Index v, Index own, Index e, const std::vector<Near>& near) {
     const auto& edge = editor_.edges()[e];
     const Point2 a = editor_.at(edge.from), b = editor_.at(edge.to);
     if (edge.from == v || edge.to == v || orientation(a, b, p) >= 0) return false;
     const double t = nearest_fraction(a, b, p, metric_);
     const Point2 foot = point_along(a, b, t);
-    if (t <= 0 || t >= 1 || foot == a || foot == b || metric_.distance(p, foot) > gap_) return false;
-    for (const Index i : near) {
+    const double distance = metric_.distance(p, foot);
+    if (t <= 0 || t >= 1 || foot == a || foot == b || distance > gap_) return false;
+    for (const auto& [nearer, i] : near) {
+      if (nearer > distance * a_little_more) break;
       const auto& between = editor_.edges()[i];
       if (i == e || i == own || between.from == v || between.to == v) continue;
       if (meet(p, foot, editor_.at(between.from), editor_.at(between.to))) return false;
@@ -97,18 +118,18 @@ class Facing {
   void ends_of_slits() {
     std::vector<Index> near;
     for (Index e = 0; e < static_cast<Index>(editor_.edges().size()); ++e) {
+      context_.stop_if_cancelled();
       const auto& edge = editor_.edges()[e];
       const Point2 a = editor_.at(edge.from), b = editor_.at(edge.to);
       if (metric_.distance(a, b) <= gap_) continue;  // its ends say it well enough
       Box box = around(metric_.around(a, gap_), metric_.around(b, gap_));
       index_.near(box, near);
       for (const Index other : near)
-        if (other != e && contributor(editor_.edges()[other].face) != contributor(edge.face))
-          end_of_slit(e, other, near);
+        if (other != e && contributor(editor_.edges()[other].face) != contributor(edge.face)) end_of_slit(e, other);
     }
   }
 
-  void end_of_slit(Index e, Index other, const std::vector<Index>& near) {
+  void end_of_slit(Index e, Index other) {
     const Point2 a = editor_.at(editor_.edges()[e].from), b = editor_.at(editor_.edges()[e].to);
     const Point2 c = editor_.at(editor_.edges()[other].from), d = editor_.at(editor_.edges()[other].to);
     const Point2 unit = metric_.at((a.y + b.y) / 2);
@@ -121,14 +142,16 @@ class Facing {
     const double t = from / (from - to);
     const Point2 p = point_along(a, b, t);
     if (p == a || p == b) return;
-    if (add_foot(p, none, e, other, near)) wanted_.push_back({e, t, p});
+    if (add_foot(p, none, e, other, nearest_edges(p))) wanted_.push_back({e, t, p});
   }
 
   BorderEditor editor_;
   double gap_;
   const PlanMetric& metric_;
+  const Context& context_;
   SegmentIndex index_;
   std::vector<Wanted> wanted_;
+  std::vector<Index> found_;
 };
 
 /// The faces outside a surface that bridge its slits.
@@ -325,7 +348,7 @@ class Bridges {
 Bridged bridge_gaps(Piece& piece, ContributorSets& sets, double gap, const PlanMetric& metric, Context& context) {
   if (!(gap > 0) || piece.contributors.empty()) return {};
   context.progress("gaps", 0);
-  Piece refined = Facing(piece, gap, metric).run();
+  Piece refined = Facing(piece, gap, metric, context).run();
   context.progress("gaps", 0.5);
   Bridges bridges(refined, gap, metric);
   if (bridges.find()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/box.hpp"
 
@@ -45,10 +46,15 @@ void SegmentIndex::near(const Box& box, std::vector<Index>& found) const {
   found.clear();
   if (cells_.empty()) return;
   const double slack = 1e-6 * size_;
-  for (std::int64_t row = at(box.ymin - slack, origin_.y); row <= at(box.ymax + slack, origin_.y); ++row)
-    for (std::int64_t c = at(box.xmin - slack, origin_.x); c <= at(box.xmax + slack, origin_.x); ++c)
-      if (const auto it = cells_.find(cell(c, row)); it != cells_.end())
-        found.insert(found.end(), it->second.begin(), it->second.end());
+  if (!((box.xmax - box.xmin) / size_ * ((box.ymax - box.ymin) / size_) < static_cast<double>(segments_.size()))) {
+    found.resize(segments_.size());  // larger than all cells together
+    std::iota(found.begin(), found.end(), 0);
+  } else {
+    for (std::int64_t row = at(box.ymin - slack, origin_.y); row <= at(box.ymax + slack, origin_.y); ++row)
+      for (std::int64_t c = at(box.xmin - slack, origin_.x); c <= at(box.xmax + slack, origin_.x); ++c)
+        if (const auto it = cells_.find(cell(c, row)); it != cells_.end())
+          found.insert(found.end(), it->second.begin(), it->second.end());
+  }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::erase_if(found, [&](Index i) {

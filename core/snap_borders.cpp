@@ -66,10 +66,10 @@ class Snapper {
 
   SnappedTiles run(Context& context) {
     context.progress("snap", 0);
-    vertices_to_vertices();
+    vertices_to_vertices(context);
     context.progress("snap", 0.4);
-    to_edges(true);
-    to_edges(false);
+    to_edges(true, context);
+    to_edges(false, context);
     context.progress("snap", 0.8);
     SnappedTiles result{tiles_, {}};
     for (std::size_t r = 0; r < moving_.size(); ++r) take(r, result);
@@ -94,12 +94,13 @@ class Snapper {
   };
 
   /// Vertices at one place are mates as they are; of the others the nearest pairs come first.
-  void vertices_to_vertices() {
+  void vertices_to_vertices(const Context& context) {
     std::vector<Candidate> candidates;
     std::vector<Index> near;
     for (int r = 0; r < static_cast<int>(moving_.size()); ++r)
       for (const Index v : moving_[r].editor.border()) {
         const Point2 p = moving_[r].editor.at(v);
+        context.stop_if_cancelled();
         index_->near(metric_.around(p, distance_), near);
         for (const Index i : near) {
           const auto [rank, e] = owner_[i];
@@ -153,13 +154,14 @@ class Snapper {
   }
 
   /// Vertices onto edges: those that are free move onto edges that have not; any others have the edge led through them.
-  void to_edges(bool free_ones) {
+  void to_edges(bool free_ones, const Context& context) {
     std::vector<Index> near;
     for (int r = 0; r < static_cast<int>(moving_.size()); ++r)
       for (const Index v : moving_[r].editor.border()) {
         const bool is_free = moving_[r].state[v] == State::free;
         if (is_free != free_ones && free_ones) continue;
         const Point2 p = moving_[r].editor.at(v);
+        context.stop_if_cancelled();
         index_->near(metric_.around(p, 2 * distance_), near);
         if (free_ones)
           onto_nearest_edge(r, v, p, near);
