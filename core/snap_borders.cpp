@@ -95,8 +95,12 @@ class Snapper {
 
   /// Vertices at one place are mates as they are; of the others the nearest pairs come first.
   void vertices_to_vertices(const Context& context) {
-    std::vector<Candidate> candidates;
+    constexpr std::size_t enough = 32;  // of the nearest; each vertex is the end of two edges
+    std::vector<Candidate> candidates, own;
     std::vector<Index> near;
+    const auto key = [](const Candidate& c) {
+      return std::tuple(c.rank, c.distance, c.from.x, c.from.y, c.to.x, c.to.y, c.target_rank);
+    };
     for (int r = 0; r < static_cast<int>(moving_.size()); ++r)
       for (const Index v : moving_[r].editor.border()) {
         const Point2 p = moving_[r].editor.at(v);
@@ -109,13 +113,14 @@ class Snapper {
           for (const Index target : {other.edges()[e].from, other.edges()[e].to}) {
             const Point2 q = other.at(target);
             const double d = metric_.distance(p, q);
-            if (d <= distance_) candidates.push_back({r, d, p, q, v, rank, target});
+            if (d <= distance_) own.push_back({r, d, p, q, v, rank, target});
           }
         }
+        const auto kept = own.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(own.size(), enough));
+        std::partial_sort(own.begin(), kept, own.end(), [&](auto& a, auto& b) { return key(a) < key(b); });
+        candidates.insert(candidates.end(), own.begin(), kept);
+        own.clear();
       }
-    const auto key = [](const Candidate& c) {
-      return std::tuple(c.rank, c.distance, c.from.x, c.from.y, c.to.x, c.to.y, c.target_rank);
-    };
     std::sort(candidates.begin(), candidates.end(), [&](auto& a, auto& b) { return key(a) < key(b); });
     for (const Candidate& c : candidates)
       if (c.from == c.to) {
