@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "core/error.hpp"
+#include "core/logic.hpp"
 #include "core/overlay.hpp"
 #include "core/validate.hpp"
 #include "core/volume.hpp"
@@ -57,6 +58,28 @@ Tin surface(const Polygons& polygons, double slope) {
   return tin;
 }
 
+/// AND and OR of the two as areas of truth: valid, and of these areas.
+void judge_logic(const Tin& a, const Tin& b, double shared, double united, double play) {
+  Context context;
+  const auto truth = [&](Tin tin) {
+    for (Point& p : tin.vertices) p.z = 255;
+    return read_binary(tin, {}, context).mesh;
+  };
+  const ZonedMesh first = truth(a), second = truth(b);
+  const auto area = [&](const TruthTable& table) {
+    const Tin result = lifted(combine(first, second, table, Extent::box, context).mesh, std::vector<double>{0, 255},
+                              context).tin;
+    const Inspection seen = inspect(result);
+    EXPECT_EQ(seen.inverted + seen.degenerate + seen.t_junctions + seen.non_manifold_edges + seen.overlaps, 0u);
+    Tin part{result.vertices, {}};
+    for (const Face& f : result.faces)
+      if (result.vertices[f[0]].z == 255 && !is_wall(result, f)) part.faces.push_back(f);
+    return plan_area(part);
+  };
+  EXPECT_NEAR(area({is_false, is_false, is_false, is_true}), shared, play);
+  EXPECT_NEAR(area({is_false, is_true, is_true, is_true}), united, play);
+}
+
 void judge(const std::string& name, Polygons first, Polygons second, Tally& tally) {
   SCOPED_TRACE(name);
   std::optional<Tin> a, b;
@@ -90,6 +113,7 @@ void judge(const std::string& name, Polygons first, Polygons second, Tally& tall
       perimeter += std::abs(q.x - p.x) + std::abs(q.y - p.y) + std::abs(r.x - p.x) + std::abs(r.y - p.y);
     }
     const double play = 4 * (overlaid.rounding.max_move + overlaid.rounding.max_snap) * perimeter + 1e-11 * united;
+    judge_logic(*a, *b, shared, united, play);
     ++tally.right;
     const double by_geos[2] = {first.united_area(second), first.shared_area(second)};
     if (std::abs(united - by_geos[0]) <= play && std::abs(shared - by_geos[1]) <= play) return;
