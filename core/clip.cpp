@@ -34,11 +34,13 @@ Box box_of(const Tin& tin, const Face& f) {
 std::vector<Where> where_faces_lie(const Tin& tin, const PlanRegion& region, bool all_near, const Context& context) {
   if (all_near) return std::vector<Where>(tin.faces.size(), Where::near);
   const Box whole = bounds(tin.vertices, context), part = bounds(region.tin);
+  const double width = std::min(whole.xmax, part.xmax) - std::max(whole.xmin, part.xmin);
+  const double height = std::min(whole.ymax, part.ymax) - std::max(whole.ymin, part.ymin);
+  if (width < 0 || height < 0) return std::vector<Where>(tin.faces.size(), Where::outside);
   // Cells about as large as faces, if these were spread evenly.
-  const double share = (part.xmax - part.xmin) / std::max(whole.xmax - whole.xmin, 1e-300) *
-                       ((part.ymax - part.ymin) / std::max(whole.ymax - whole.ymin, 1e-300));
-  const double wanted = std::min(4e6, static_cast<double>(tin.faces.size()) * std::min(share, 1e3));
-  const RegionCells cells(region, static_cast<std::size_t>(wanted));
+  const double share =
+      width / std::max(whole.xmax - whole.xmin, 1e-300) * (height / std::max(whole.ymax - whole.ymin, 1e-300));
+  const RegionCells cells(region, whole, static_cast<std::size_t>(share * static_cast<double>(tin.faces.size())));
   std::vector<Where> where(tin.faces.size());
   parallel_for(context, tin.faces.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) where[f] = cells(box_of(tin, tin.faces[f]));

@@ -11,8 +11,10 @@ constexpr double margin = 1e-2;  // in cells: more than coordinates lose when th
 
 }  // namespace
 
-RegionCells::RegionCells(const PlanRegion& region, std::size_t cells) {
-  const Box box = bounds(region.tin);
+RegionCells::RegionCells(const PlanRegion& region, const Box& within, std::size_t cells) {
+  const Box whole = bounds(region.tin);
+  const Box box = {std::max(whole.xmin, within.xmin), std::max(whole.ymin, within.ymin),
+                   std::min(whole.xmax, within.xmax), std::min(whole.ymax, within.ymax)};
   const double width = box.xmax - box.xmin, height = box.ymax - box.ymin;
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double wanted = static_cast<double>(std::clamp<std::size_t>(cells, 64, 4'000'000));
@@ -40,6 +42,7 @@ int RegionCells::row(double y) const {
 /// Every cell that the edge touches.
 void RegionCells::mark(Point2 p, Point2 q) {
   if (p.y > q.y) std::swap(p, q);
+  if (q.y < box_.ymin - cell_ || p.y > box_.ymax + cell_) return;
   const int r0 = row(p.y - margin * cell_), r1 = row(q.y + margin * cell_);
   const double rise = q.y - p.y;
   for (int r = r0; r <= r1; ++r) {
@@ -48,6 +51,7 @@ void RegionCells::mark(Point2 p, Point2 q) {
     if (r0 != r1 && rise > 0)
       a = x_at(box_.ymin + (r - margin) * cell_), b = x_at(box_.ymin + (r + 1 + margin) * cell_);
     if (a > b) std::swap(a, b);
+    if (b < box_.xmin - cell_ || a > box_.xmax + cell_) continue;
     const int c0 = column(a - margin * cell_), c1 = column(b + margin * cell_);
     for (int c = c0; c <= c1; ++c) marked_[(static_cast<std::size_t>(r) + 1) * (columns_ + 1) + c + 1] = 1;
   }

@@ -14,9 +14,10 @@ class RegionCells {
  public:
   enum class Where : std::uint8_t { outside, inside, near };
 
-  /// About `cells` cells, at least 64 and at most 4 million. Precondition: the region is not empty.
-  /// O(cells + border edges + cells they pass).
-  RegionCells(const PlanRegion& region, std::size_t cells);
+  /// About `cells` cells, at least 64 and at most 4 million, over what the region's box and `within` have in common:
+  /// only boxes inside `within` may be asked for. Precondition: the region is not empty, and they have something in
+  /// common. O(cells + border edges + cells they pass).
+  RegionCells(const PlanRegion& region, const Box& within, std::size_t cells);
 
   /// Where a closed box lies; near: the border may touch it. O(1).
   Where operator()(const Box& box) const;

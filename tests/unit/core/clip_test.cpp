@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 #include <vector>
 
@@ -182,9 +182,9 @@ TEST(Clip, ALargeSurfaceTakesSeconds) {
   const Tin terrain = support::random_terrain(150000, 6);
   support::Random random(9);
   const std::vector<Polygon> polygons = {{support::star({5000, 5000}, 3000, 4900, 5000, random), {}}};
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   const Tin in = inside(terrain, polygons);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 20);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 20);
   EXPECT_EQ(support::wrong_with(in), "");
 }
 
