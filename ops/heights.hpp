@@ -33,6 +33,8 @@ class HeightField {
 
   /// No face at all.
   bool empty() const { return tin_.faces.empty(); }
+  /// Places on the border are from now on inside like any other.
+  void take_border_for_inside() { border_.assign(border_.size(), false); }
   /// The smallest box around all vertices.
   const Box& box() const { return box_; }
 

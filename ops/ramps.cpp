@@ -11,7 +11,10 @@ namespace terrane {
 namespace {
 
 struct OwnField {
-  explicit OwnField(Tin faces) : tin(std::move(faces)), field(tin, 64) {}
+  explicit OwnField(Tin faces) : tin(std::move(faces)), field(tin, 64) {
+    // A vertex on it may be one of sloped faces alone, at the border of the domain.
+    field.take_border_for_inside();
+  }
   Tin tin;
   HeightField field;  // looks at tin
 };
