@@ -11,7 +11,7 @@ namespace {
 /// Whether a, on the line through p and q, lies on q's side of p.
 bool ahead(Point2 p, Point2 a, Point2 q) {
   if (p.x != q.x) return (a.x > p.x) == (q.x > p.x) && a.x != p.x;
-  return (a.y > p.y) == (q.y > p.y) && a.y != p.y;
+  return p.y != q.y && (a.y > p.y) == (q.y > p.y) && a.y != p.y;
 }
 
 }  // namespace
@@ -38,12 +38,15 @@ Deviation::Way Deviation::leave_fan(Index first, Index at, Index q) const {
 
 Deviation::Way Deviation::leave(Index at, Index q) const {
   if (mesh_.out[at] == none) return {};
-  const Way way = leave_fan(mesh_.out[at], at, q);
-  if (way.vertex != none || way.half_edge != none || mesh_.other_fans.empty()) return way;
+  // Where heights begin to jump two fans have an edge in the same direction; the right one leads to q.
+  const auto leads = [&](const Way& way) {
+    return way.half_edge != none || way.vertex == q || (way.vertex != none && !(place(way.vertex) == place(q)));
+  };
+  if (const Way way = leave_fan(mesh_.out[at], at, q); leads(way)) return way;
   const auto& fans = mesh_.other_fans;
   auto fan = std::lower_bound(fans.begin(), fans.end(), at, [&](Index h, Index v) { return mesh_.from(h) < v; });
   for (; fan != fans.end() && mesh_.from(*fan) == at; ++fan)
-    if (const Way other = leave_fan(*fan, at, q); other.vertex != none || other.half_edge != none) return other;
+    if (const Way way = leave_fan(*fan, at, q); leads(way)) return way;
   return {};
 }
 

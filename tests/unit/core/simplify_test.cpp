@@ -163,6 +163,24 @@ TEST(Simplify, WallsAndJumpsStay) {
   }
 }
 
+TEST(Simplify, SeamsWhoseJumpsBeginAndEndAtVertices) {
+  support::Random random(6);
+  for (int round = 0; round < 40; ++round) {
+    std::vector<Tin> tiles;
+    for (int i = 0; i < 2; ++i) {
+      std::string picture;
+      for (int y = 0; y < 6; ++y, picture += '\n')
+        for (int x = 0; x < 6; ++x) picture += '0' + support::below(random, 3);
+      tiles.push_back(canonical(drawn(picture, 1, {0.5 * support::below(random, 9), 0.5 * support::below(random, 9)})));
+    }
+    Context context;
+    const Tin both = merge(tiles, {Overlap::first, {round % 2 ? Seam::wall : Seam::split, 0}}, context).surface.tin;
+    const Simplified made = simplified(both, {1, 0, round % 4 < 2});
+    expect_right(both, made, 1);
+    EXPECT_EQ(inspect(made.tin).walls, inspect(both).walls);
+  }
+}
+
 TEST(Simplify, TilesSimplifiedApartStillMeet) {
   const Tin whole = canonical(support::grid_terrain(24, true));
   const auto west = [](Point2 c) { return c.x < support::side / 2; };
