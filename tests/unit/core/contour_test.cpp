@@ -95,12 +95,15 @@ void expect_right(const Tin& tin, const std::vector<Contour>& lines, double leve
   for (const Contour& c : lines) {
     EXPECT_EQ(c.level, level);
     EXPECT_EQ(c.closed, c.line.front() == c.line.back() && c.line.size() > 2);
-    if (!c.closed)
+    if (!c.closed) {
       EXPECT_TRUE(at_border(c.line.front()) && at_border(c.line.back())) << c.line.front().x << " " << c.line.front().y;
+    }
     for (std::size_t i = 0; i + 1 < c.line.size(); ++i) {
       const Point &p = c.line[i], &q = c.line[i + 1];
       EXPECT_EQ(p.z, level);
-      if (const double on = z({p.x, p.y}); !std::isnan(on)) EXPECT_NEAR(on, level, 1e-9);
+      if (const double on = z({p.x, p.y}); !std::isnan(on)) {
+        EXPECT_NEAR(on, level, 1e-9);
+      }
       EXPECT_TRUE(pieces.insert({p.x, p.y, q.x, q.y}).second);
       EXPECT_FALSE(pieces.contains({q.x, q.y, p.x, p.y})) << "there and back";
       const double d = std::hypot(q.x - p.x, q.y - p.y), aside = 1e-7;
@@ -108,8 +111,12 @@ void expect_right(const Tin& tin, const std::vector<Contour>& lines, double leve
       const Point2 middle{(p.x + q.x) / 2, (p.y + q.y) / 2}, right{(q.y - p.y) / d * aside, (p.x - q.x) / d * aside};
       const double higher = z({middle.x + right.x, middle.y + right.y}),
                    lower = z({middle.x - right.x, middle.y - right.y});
-      if (!std::isnan(higher)) EXPECT_GE(higher, level - 1e-12);
-      if (!std::isnan(lower)) EXPECT_LT(lower, level + 1e-12);
+      if (!std::isnan(higher)) {
+        EXPECT_GE(higher, level - 1e-12);
+      }
+      if (!std::isnan(lower)) {
+        EXPECT_LT(lower, level + 1e-12);
+      }
     }
   }
   EXPECT_NEAR(length(lines), expected_length(tin, level), 1e-9 * (1 + expected_length(tin, level)));

@@ -65,7 +65,9 @@ TEST(Simplify, StaysWithinTheBoundOnRandomTerrain) {
     const Simplified made = simplified(tin, {bound});
     expect_right(tin, made, bound);
     EXPECT_EQ(border_of(made.tin), border_of(tin));
-    if (bound > 100) EXPECT_LT(made.tin.faces.size(), tin.faces.size() / 4);
+    if (bound > 100) {
+      EXPECT_LT(made.tin.faces.size(), tin.faces.size() / 4);
+    }
   }
 }
 
@@ -88,7 +90,9 @@ TEST(Simplify, StaysWithinTheBoundOnSmallMeshesOfAllKinds) {
     const bool keep = round % 4 < 2;
     const Simplified made = simplified(tin, {bound, 0, keep});
     expect_right(tin, made, bound);
-    if (keep) EXPECT_EQ(border_of(made.tin), border_of(tin));
+    if (keep) {
+      EXPECT_EQ(border_of(made.tin), border_of(tin));
+    }
     removed += static_cast<int>(tin.vertices.size() - made.tin.vertices.size());
     if (testing::Test::HasFailure()) FAIL() << "round " << round;
   }
@@ -157,7 +161,9 @@ TEST(Simplify, WallsAndJumpsStay) {
       EXPECT_LT(made.tin.faces.size(), both.faces.size());
       EXPECT_LE(surface_distance(both, made.tin).largest, 15 + 1e-9);
       EXPECT_EQ(inspect(made.tin).walls, inspect(both).walls);
-      if (seam == Seam::wall) EXPECT_EQ(support::open_seams(made.tin), "");
+      if (seam == Seam::wall) {
+        EXPECT_EQ(support::open_seams(made.tin), "");
+      }
       EXPECT_NEAR(plan_area(made.tin), plan_area(both), 1e-9 * plan_area(both));
     }
   }
