@@ -2,6 +2,7 @@
 #include "core/level_cuts.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -336,6 +337,11 @@ LevelZones Cutter::run(Context& context) {
   return result;
 }
 
+std::string shortest(double x) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, x).ptr};
+}
+
 /// Levels the surface reaches must be as far apart as heights that stay apart, or their crossings might not.
 void refuse_too_close(const Tin& tin, std::span<const double> levels) {
   double low = INFINITY, high = -INFINITY;
@@ -344,7 +350,7 @@ void refuse_too_close(const Tin& tin, std::span<const double> levels) {
   for (std::size_t i = 1; i < levels.size(); ++i)
     if (levels[i] >= low && levels[i - 1] <= high && !(levels[i] - levels[i - 1] >= least))
       throw Error(ErrorKind::input, "levels-too-close",
-                  "levels " + std::to_string(levels[i - 1]) + " and " + std::to_string(levels[i]) +
+                  "levels " + shortest(levels[i - 1]) + " and " + shortest(levels[i]) +
                       " are closer to each other than heights of this surface can be told apart; leave one out, or use "
                       "a larger interval");
 }

@@ -67,8 +67,8 @@ void judge_logic(const Tin& a, const Tin& b, double shared, double united, doubl
   };
   const ZonedMesh first = truth(a), second = truth(b);
   const auto area = [&](const TruthTable& table) {
-    const Tin result = lifted(combine(first, second, table, Extent::box, context).mesh, std::vector<double>{0, 255},
-                              context).tin;
+    const Tin result =
+        lifted(combine(first, second, table, Extent::box, context).mesh, std::vector<double>{0, 255}, context).tin;
     const Inspection seen = inspect(result);
     EXPECT_EQ(seen.inverted + seen.degenerate + seen.t_junctions + seen.non_manifold_edges + seen.overlaps, 0u);
     Tin part{result.vertices, {}};
