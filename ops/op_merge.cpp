@@ -65,9 +65,15 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   outcome.certificate = merge_report(tiles, merged, crs);
   // The fields look at the tiles, which the fold keeps.
   const bool bent = p.overlap == Overlap::blend && p.blend_side != BlendSide::both;
-  outcome.expected_height = [fold = folded(bent ? Overlap::first : p.overlap, tiles.level), kept = tiles.tiles](const auto& z) {
-    return fold(z);
-  };
+  outcome.expected_height = [fold = folded(bent ? Overlap::first : p.overlap, tiles.level),
+                             kept = tiles.tiles](const auto& z) { return fold(z); };
+  if (p.overlap == Overlap::blend &&
+      tiles.tiles->size() > 2)  // vertices on a blend of those before are as near as it is
+    outcome.expected_height = [fold = std::move(outcome.expected_height), bound = merged.blend.bound](const auto& z) {
+      std::optional<HeightRange> range = fold(z);
+      if (range) range->low -= bound, range->high += bound;
+      return range;
+    };
   leave_ramps_out(std::move(merged.surface.ramps), bent ? "bent" : "ramps", crs, outcome, context);
   if (p.overlap == Overlap::blend) outcome.approximation["blend"] = blend_report(merged, crs, p);
   outcome.rounding = merged.surface.rounding;
