@@ -100,7 +100,7 @@ nlohmann::json merge_report(const MergeTiles& tiles, const Merged& merged, const
 nlohmann::json blend_report(const Merged& merged, const Crs& crs, const MergeParameters& p) {
   return {{"tolerance", height(p.blend_tolerance, crs)},
           {"bound", merged.blend.bound},
-          {"against", "the exact blend, everywhere on the faces"},
+          {"against", "the exact blend of each tile with those before it, everywhere on the faces"},
           {"vertices_made", merged.blend.made},
           {"unresolved", {{"places", merged.blend.corners}, {"radius", merged.blend.radius}}}};
 }

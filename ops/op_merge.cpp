@@ -67,9 +67,10 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   const bool bent = p.overlap == Overlap::blend && p.blend_side != BlendSide::both;
   outcome.expected_height = [fold = folded(bent ? Overlap::first : p.overlap, tiles.level),
                              kept = tiles.tiles](const auto& z) { return fold(z); };
-  if (p.overlap == Overlap::blend &&
-      tiles.tiles->size() > 2)  // vertices on a blend of those before are as near as it is
-    outcome.expected_height = [fold = std::move(outcome.expected_height), bound = merged.blend.bound](const auto& z) {
+  // Vertices made on a blend of those before are as near as it is.
+  const double slack = merged.blend.bound * (static_cast<double>(tiles.tiles->size()) - 2);
+  if (p.overlap == Overlap::blend && slack > 0)
+    outcome.expected_height = [fold = std::move(outcome.expected_height), bound = slack](const auto& z) {
       std::optional<HeightRange> range = fold(z);
       if (range) range->low -= bound, range->high += bound;
       return range;
