@@ -363,7 +363,7 @@ class Rasterizer {
 
 Raster rasterize(const Tin& tin, Raster lattice, Context& context) {
   lattice.samples = {};
-  check_triangulable(lattice);
+  check_lattice(lattice);
   lattice.samples.resize(static_cast<std::size_t>(lattice.width) * lattice.height);
   if (!lattice.samples.empty()) Rasterizer(tin, lattice, context).run();
   return lattice;

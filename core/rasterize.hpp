@@ -13,7 +13,7 @@ namespace terrane {
 /// other differs from the plane of its face by no more than 2e-13 of the face's largest |z|; none is -0. Faces without
 /// area in plan count by the surface beside them alone. The same bytes for any order of faces and any number of
 /// threads. O(faces + samples); 8 bytes a sample, 16 a vertex and some 5 a face besides. Refuses what
-/// `check_triangulable` refuses of a lattice.
+/// `check_lattice` refuses of a lattice.
 Raster rasterize(const Tin& tin, Raster lattice, Context& context);
 
 }  // namespace terrane

@@ -20,6 +20,18 @@ std::string shortest(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
+void check_heights(const Raster& dem) {
+  const auto wrong =
+      std::find_if(dem.samples.begin(), dem.samples.end(), [](double z) { return std::fabs(z) > 1e150; });
+  if (wrong == dem.samples.end()) return;
+  const auto place = wrong - dem.samples.begin();
+  throw Error(ErrorKind::input, "not-finite",
+              "the sample in row " + std::to_string(place / dem.width) + ", column " +
+                  std::to_string(place % dem.width) + " is no height; declare it as NoData or mend it");
+}
+
+}  // namespace
+
 /// Integer geometry carries over to the doubles when a cell is much wider than the spacing of doubles where it lies.
 void check_lattice(const Raster& dem) {
   const auto cells = [&](double origin, double cell, int count) {
@@ -37,18 +49,6 @@ void check_lattice(const Raster& dem) {
                     " samples, more than a TIN can have vertices for; cut it into tiles");
   }
 }
-
-void check_heights(const Raster& dem) {
-  const auto wrong =
-      std::find_if(dem.samples.begin(), dem.samples.end(), [](double z) { return std::fabs(z) > 1e150; });
-  if (wrong == dem.samples.end()) return;
-  const auto place = wrong - dem.samples.begin();
-  throw Error(ErrorKind::input, "not-finite",
-              "the sample in row " + std::to_string(place / dem.width) + ", column " +
-                  std::to_string(place % dem.width) + " is no height; declare it as NoData or mend it");
-}
-
-}  // namespace
 
 void check_triangulable(const Raster& dem) {
   if (dem.width < 2 || dem.height < 2) return;

@@ -11,6 +11,8 @@ namespace terrane {
 
 /// Refuses heights and cells that no TIN can hold in doubles. Readers ask too, for they know the name of the input.
 void check_triangulable(const Raster& dem);
+/// Refuses cells alone, also of rasters a sample wide, of which no TIN is made.
+void check_lattice(const Raster& dem);
 
 struct TriangulateOptions {
   double max_error = 0;           // vertical bound at every sample, in the raster's height unit; 0 = every sample a vertex

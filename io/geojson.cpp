@@ -108,7 +108,7 @@ class Reader {
     if (type == "Point")
       feature.points.push_back(point(*coordinates));
     else if (type == "MultiPoint")
-      feature.points = line(*coordinates, 0);
+      for (const Point& p : line(*coordinates, 0)) feature.points.push_back(p);
     else if (type == "LineString")
       feature.lines.push_back(line(*coordinates, 2));
     else if (type == "MultiLineString")

@@ -13,6 +13,7 @@
 #include "core/error.hpp"
 #include "io/gdal.hpp"
 #include "io/geodesy_osr.hpp"
+#include "io/sqlite_schema.hpp"
 #include "io/text.hpp"
 #include "io/vectors.hpp"
 
@@ -52,7 +53,7 @@ class Reader {
   }
 
   Vectors file(std::string_view bytes, const std::string& word) {
-    if (word == "gpkg") refuse_views(bytes);
+    if (word == "gpkg") refuse_programs(bytes);
     const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".shz");
     if (word == "shp") check_zip(file.name());
     const char* driver = word == "gpkg" ? "GPKG" : word == "dxf" ? "DXF" : "ESRI Shapefile";
@@ -71,15 +72,15 @@ class Reader {
     throw Error(ErrorKind::input, std::move(code), name_ + (element_.empty() ? "" : ", " + element_) + ": " + what);
   }
 
-  /// A view is a program that runs when it is read, and need not end.
-  void refuse_views(std::string_view bytes) const {
-    const std::string text = lower(bytes);
-    for (std::size_t at = text.find("create"); at != std::string::npos; at = text.find("create", at + 1)) {
-      const std::string_view next = std::string_view(text).substr(at + 6, 64);
-      if (const std::size_t view = next.find("view");
-          view != std::string_view::npos && next.substr(0, view).find("table") == std::string_view::npos)
-        bad("views", "it holds views, which are not read; export its layers to a new GeoPackage");
-    }
+  /// A view is a program that runs when it is read, and need not end. Looked for before SQLite sees the file: opening
+  /// it reads tables that may be views.
+  void refuse_programs(std::string_view bytes) const {
+    const auto schema = sqlite_schema(bytes);
+    if (!schema) bad("wrong-magic", "it cannot be read as gpkg; it is damaged, cut off or not in UTF-8, export it again");
+    if (std::any_of(schema->begin(), schema->end(), runs_when_read))
+      bad("views",
+          "it holds views, generated columns or virtual tables, which are not read; export its layers to a new "
+          "GeoPackage");
   }
 
   /// What it unpacks to is bounded before it is unpacked.

@@ -163,7 +163,7 @@ Raster heights_at(const Surface& surface, Raster lattice, Context& context) {
     return rasterize(surface.tin(), std::move(lattice), context);
   } catch (const Error& error) {
     if (error.code != "cell-size") throw;
-    refuse("the cells are so small that they cannot be told apart at these coordinates; choose a larger cell-size");
+    refuse("the cells are too small or too large to be told apart at these coordinates; choose another cell-size or bbox");
   }
 }
 
