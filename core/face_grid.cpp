@@ -103,20 +103,35 @@ FaceGrid::FaceGrid(const Tin& tin) : tin_(tin), box_(bounds(tin)) {
   each([&](std::size_t cell, std::size_t f) { faces_[next[cell]++] = static_cast<Index>(f); });
 }
 
-std::optional<double> FaceGrid::height(Point2 place) const {
-  if (!(place.x >= box_.xmin && place.x <= box_.xmax && place.y >= box_.ymin && place.y <= box_.ymax)) return {};
-  std::optional<double> highest;
+template <class Visit>
+void FaceGrid::visit_holding(Point2 place, Visit visit) const {
+  if (!(place.x >= box_.xmin && place.x <= box_.xmax && place.y >= box_.ymin && place.y <= box_.ymax)) return;
   const std::size_t cell = static_cast<std::size_t>(row_of(place.y)) * columns_ + column_of(place.x);
   for (std::size_t k = first_[cell]; k < first_[cell + 1]; ++k) {
-    const Face& f = tin_.faces[faces_[k]];
-    const std::array<Point2, 3> c = corners_of(tin_, f);
-    if (orientation(c[0], c[1], place) < 0 || orientation(c[1], c[2], place) < 0 || orientation(c[2], c[0], place) < 0)
-      continue;
+    const std::array<Point2, 3> c = corners_of(tin_, tin_.faces[faces_[k]]);
+    if (orientation(c[0], c[1], place) >= 0 && orientation(c[1], c[2], place) >= 0 &&
+        orientation(c[2], c[0], place) >= 0)
+      visit(faces_[k], c);
+  }
+}
+
+std::optional<double> FaceGrid::height(Point2 place) const {
+  std::optional<double> highest;
+  visit_holding(place, [&](Index face, const std::array<Point2, 3>& c) {
+    const Face& f = tin_.faces[face];
     const double z[3] = {tin_.vertices[f[0]].z, tin_.vertices[f[1]].z, tin_.vertices[f[2]].z};
     const double height = height_on_triangle({c[0], c[1], c[2]}, z, place);
     if (!highest || height > *highest) highest = height;
-  }
+  });
   return highest;
+}
+
+Index FaceGrid::face(Point2 place) const {
+  Index first = none;
+  visit_holding(place, [&](Index face, const auto&) {
+    if (first == none || face < first) first = face;
+  });
+  return first;
 }
 
 std::vector<Index> FaceGrid::along(Point2 a, Point2 b) const {

@@ -24,10 +24,16 @@ class FaceGrid {
   /// Which faces hold it is decided exactly. A vertex's height is taken as it is.
   std::optional<double> height(Point2 place) const;
 
+  /// The first of the faces whose closed plan holds the place, or none. Exact, as above.
+  Index face(Point2 place) const;
+
   /// Faces in ascending order, among them all whose closed plan meets the segment from a to b.
   std::vector<Index> along(Point2 a, Point2 b) const;
 
  private:
+  /// Visits the faces whose closed plan holds the place.
+  template <class Visit>
+  void visit_holding(Point2 place, Visit visit) const;
   template <class Visit>
   void visit_cells(const Point2* corners, int count, Visit visit) const;
   int column_of(double x) const;

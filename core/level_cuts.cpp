@@ -49,7 +49,7 @@ class Cutter {
     connect(mesh_);
   }
 
-  LevelZones run(Context& context);
+  LevelPieces run(Context& context);
 
  private:
   double z(Index f, int corner) const { return surface_.z[3 * static_cast<std::size_t>(f) + corner % 3]; }
@@ -311,7 +311,7 @@ double Cutter::steepest() const {
   return largest;
 }
 
-LevelZones Cutter::run(Context& context) {
+LevelPieces Cutter::run(Context& context) {
   const auto faces = static_cast<Index>(mesh_.faces.size());
   make_vertices(context);
   mesh_.labels.resize(faces);
@@ -319,7 +319,7 @@ LevelZones Cutter::run(Context& context) {
     if (f % faces_per_report == 0) context.progress("cut", 0.5 + 0.5 * f / faces);
     split(f);
   }
-  LevelZones result;
+  LevelPieces result;
   rounded_ = mesh_.points;
   if (!made_.empty()) {
     const auto place_of = [&](Index v) { return place(v); };
@@ -327,13 +327,18 @@ LevelZones Cutter::run(Context& context) {
     result.rounding = round_cuts(mesh_, first_made_, place_of, from_piece, context).report;
     result.height_play = 2 * steepest() * result.rounding.max_move;
   }
-  ZonedMesh zoned;
+  ZonedMesh& zoned = result.mesh;
   zoned.points = std::move(mesh_.points);
   zoned.faces = std::move(mesh_.faces);
-  for (const Index label : mesh_.labels) zoned.zone.push_back(pieces_[label].zone);
+  zoned.zone.reserve(mesh_.labels.size());
+  result.parent.reserve(mesh_.labels.size());
+  for (const Index label : mesh_.labels) {
+    zoned.zone.push_back(pieces_[label].zone);
+    result.parent.push_back(pieces_[label].face);
+  }
   zoned.constructed.assign(zoned.points.size(), 0);
   std::fill(zoned.constructed.begin() + first_made_, zoned.constructed.end(), 1);
-  result.mesh = dissolve(zoned, 4 * result.rounding.max_move, context);
+  result.surface = std::move(surface_);
   return result;
 }
 
@@ -343,9 +348,9 @@ std::string shortest(double x) {
 }
 
 /// Levels the surface reaches must be as far apart as heights that stay apart, or their crossings might not.
-void refuse_too_close(const Tin& tin, std::span<const double> levels) {
+void refuse_too_close(const std::vector<double>& z, std::span<const double> levels) {
   double low = INFINITY, high = -INFINITY;
-  for (const Point& p : tin.vertices) low = std::min(low, p.z), high = std::max(high, p.z);
+  for (const double height : z) low = std::min(low, height), high = std::max(high, height);
   const double least = 1e-9 * std::max({1.0, std::fabs(low), std::fabs(high)});
   for (std::size_t i = 1; i < levels.size(); ++i)
     if (levels[i] >= low && levels[i - 1] <= high && !(levels[i] - levels[i - 1] >= least))
@@ -357,9 +362,18 @@ void refuse_too_close(const Tin& tin, std::span<const double> levels) {
 
 }  // namespace
 
+LevelPieces level_pieces(CornerSurface surface, std::span<const double> levels, Context& context) {
+  refuse_too_close(surface.z, levels);
+  return Cutter(std::move(surface), levels).run(context);
+}
+
 LevelZones level_zones(const Tin& tin, std::span<const double> levels, Context& context) {
-  refuse_too_close(tin, levels);
-  return Cutter(piece_of(tin, 0).surface, levels).run(context);
+  LevelPieces pieces = level_pieces(piece_of(tin, 0).surface, levels, context);
+  LevelZones result;
+  result.rounding = pieces.rounding;
+  result.height_play = pieces.height_play;
+  result.mesh = dissolve(pieces.mesh, 4 * pieces.rounding.max_move, context);
+  return result;
 }
 
 Tin flat_faces(const Tin& tin, std::span<const double> levels) {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/context.hpp"
+#include "core/surface.hpp"
 #include "core/tin.hpp"
 #include "core/zones.hpp"
 
@@ -29,6 +30,17 @@ struct LevelZones {
 /// crossings apart (1e-9 of the largest height), and where the surface crosses them more than 50 million times.
 /// Precondition: valid and canonical (core/validate). O((n + c) log(n + c)) for c cuts.
 LevelZones level_zones(const Tin& tin, std::span<const double> levels, Context& context);
+
+/// The same division before it is dissolved, of heights that may jump between faces: for those who measure what lies in
+/// the zones.
+struct LevelPieces {
+  ZonedMesh mesh;
+  std::vector<Index> parent;  // per face: the face of `surface` it was cut from
+  CornerSurface surface;      // as it was given
+  RoundingReport rounding;
+  double height_play = 0;  // as above
+};
+LevelPieces level_pieces(CornerSurface surface, std::span<const double> levels, Context& context);
 
 /// The faces that lie level at one of the levels, exactly: the level decides on which side of it they count.
 Tin flat_faces(const Tin& tin, std::span<const double> levels);

@@ -33,8 +33,18 @@ struct ReadOptions {
   std::vector<int> classes = {}; // of LAS points; empty: all
 };
 
+/// Which faces of the inputs each face of a result lies on.
+struct Provenance {
+  std::vector<std::string> inputs;  // their names
+  std::string policy;               // by which the height was decided, in words: "overlap=first"
+  /// Fills in the face of every input that a face of the result lies on (none: it has none there), and returns the input
+  /// whose height holds (none: that of all of them together). Called on several threads.
+  std::function<Index(std::size_t face, std::span<Index> of_inputs)> trace;
+};
+
 struct WriteOptions {
   std::string certificate_json;  // formats that can carry it do (Terrane JSON)
+  const Provenance* provenance = nullptr;  // Terrane JSON alone
   // further comment lines (key, value) for formats with comments
   std::vector<std::pair<std::string, std::string>> extra;
 };

@@ -385,6 +385,42 @@ char* put_row(char* to, std::size_t i, auto a, auto b, auto c) {
   return to;
 }
 
+/// Its list of faces has a row for each face of the result with the face of every input; `decided` has the input.
+void write_provenance(const Provenance& from, std::size_t faces, RowWriter& rows, const Sink& sink) {
+  std::string head = ",\"provenance\":{\"inputs\":[";
+  for (std::size_t i = 0; i < from.inputs.size(); ++i) {
+    if (i != 0) head += ',';
+    append_json_string(head, from.inputs[i]);
+  }
+  head += "],\"policy\":";
+  append_json_string(head, from.policy);
+  sink(head + ",\"faces\":[");
+  const auto put_index = [](char* to, Index index) {
+    return index == none ? std::copy_n("null", 4, to) : put_number(to, index);
+  };
+  std::vector<Index> decided(faces, none);
+  rows.write(faces, 4 + from.inputs.size() * (number_size + 1), [&](char* to, std::size_t i) {
+    thread_local std::vector<Index> of_inputs;
+    of_inputs.assign(from.inputs.size(), none);
+    decided[i] = from.trace(i, of_inputs);
+    if (i != 0) *to++ = ',';
+    *to++ = '\n';
+    *to++ = '[';
+    for (std::size_t k = 0; k < of_inputs.size(); ++k) {
+      if (k != 0) *to++ = ',';
+      to = put_index(to, of_inputs[k]);
+    }
+    *to++ = ']';
+    return to;
+  });
+  sink("],\"decided\":[");
+  rows.write(faces, number_size + 1, [&](char* to, std::size_t i) {
+    if (i != 0) *to++ = ',';
+    return put_index(to, decided[i]);
+  });
+  sink("]}");
+}
+
 void write_json(const Tin& tin, const Crs& crs, const WriteOptions& options, const Sink& sink, Context& context) {
   std::string head = "{\"type\":\"TIN\",\"crs\":";
   if (crs.known())
@@ -392,7 +428,8 @@ void write_json(const Tin& tin, const Crs& crs, const WriteOptions& options, con
   else
     head += "null";
   sink(head + ",\"vertices\":[");
-  RowWriter rows(sink, tin.vertices.size() + tin.faces.size(), context);
+  const std::size_t times = options.provenance ? 3 : 1;
+  RowWriter rows(sink, tin.vertices.size() + times * tin.faces.size(), context);
   rows.write(tin.vertices.size(), row_size, [&](char* to, std::size_t i) {
     const Point& p = tin.vertices[i];
     return put_row(to, i, p.x, p.y, p.z);
@@ -403,6 +440,7 @@ void write_json(const Tin& tin, const Crs& crs, const WriteOptions& options, con
     return put_row(to, i, f[0], f[1], f[2]);
   });
   sink("]");
+  if (options.provenance) write_provenance(*options.provenance, tin.faces.size(), rows, sink);
   if (!options.certificate_json.empty()) sink(",\"certificate\":" + options.certificate_json);
   sink("}\n");
 }

@@ -57,10 +57,18 @@ const std::vector<Parameter>& common_parameters() {
   return all;
 }
 
+bool can_return_surface(const Operation& operation) {
+  const std::string word = "ply";
+  return operation.result == ResultKind::surface ||
+         std::find(operation.output_formats.begin(), operation.output_formats.end(), word) !=
+             operation.output_formats.end();
+}
+
 std::vector<Parameter> common_parameters_of(const Operation& operation) {
   std::vector<Parameter> list;
+  const bool surface = can_return_surface(operation);
   for (const Parameter& common : common_parameters())
-    if (std::none_of(operation.parameters.begin(), operation.parameters.end(),
+    if ((surface || common.name != "provenance") && std::none_of(operation.parameters.begin(), operation.parameters.end(),
                      [&](const Parameter& own) { return own.name == common.name; }))
       list.push_back(common);
   return list;

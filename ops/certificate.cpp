@@ -116,7 +116,7 @@ nlohmann::json warnings_json(const std::vector<Warning>& warnings) {
 nlohmann::json deciding(const nlohmann::json& parameters) {
   nlohmann::json kept = nlohmann::json::object();
   for (const auto& [name, value] : parameters.items())
-    if (!value.is_null() && name != "threads" && name != "format") kept[name] = value;
+    if (!value.is_null() && name != "threads" && name != "format" && name != "provenance") kept[name] = value;
   return kept;
 }
 

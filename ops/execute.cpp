@@ -14,6 +14,7 @@
 #include "ops/input_format.hpp"
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
+#include "ops/provenance.hpp"
 #include "ops/sha256.hpp"
 #include "ops/side_by_side.hpp"
 
@@ -153,11 +154,12 @@ void encode(const Plan& plan, const Frame& frame, const Tin& tin, const WriteOpt
 
 /// Verifies a surface and encodes it: side by side where nobody sees the bytes before both are done.
 void verify_and_encode(const Plan& plan, const Frame& frame, const Tin& tin, const std::function<void()>& verify,
-                       const Body& body, Response& response, Context& context) {
+                       const Provenance* provenance, const Body& body, Response& response, Context& context) {
   if (!body.held_back || format_named(plan.output_format)->carries_certificate) {
     verify();
     WriteOptions options;
     options.certificate_json = embedded(response.report).dump();
+    options.provenance = provenance;
     return encode(plan, frame, tin, options, body, response, context);
   }
   Context writing;  // the other one is in use
@@ -262,7 +264,9 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
       if (outcome.verify) refuse_unsound(seen, plan.operation->id);
       response.report = certificate(plan, frame, surfaces, outcome, seen, heights, context);
     };
-    verify_and_encode(plan, frame, *tin, verify, body, response, context);
+    std::optional<Provenance> provenance;
+    if (plan.parameters.value("provenance", false)) provenance = provenance_of(plan, *tin, surfaces, outcome, context);
+    verify_and_encode(plan, frame, *tin, verify, provenance ? &*provenance : nullptr, body, response, context);
   } else {
     response.report = report_certificate(plan, frame, context);
     if (auto* report = std::get_if<nlohmann::json>(&outcome.result)) {

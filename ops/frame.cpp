@@ -154,11 +154,33 @@ DemOptions dem_options(const Plan& plan, const Crs& crs) {
   return options;
 }
 
+bool wants_provenance(const Plan& plan) { return plan.parameters.value("provenance", false); }
+
+/// A TIN as it came, in `to`.
+std::shared_ptr<const Tin> as_given(const Tin& tin, const Crs& from, const Crs& to) {
+  Tin copy = tin;
+  if (differs(from, to)) move_points(copy.vertices, from, to);
+  return std::make_shared<const Tin>(std::move(copy));
+}
+
+/// What was moved round the globe after it was copied.
+void unwrap_given(std::vector<Surface>& surfaces) {
+  for (Surface& s : surfaces) {
+    if (!s.given || !s.crs.known() || !s.crs.geographic()) continue;
+    const double shift = 360 * std::round((bounds(s.tin()).xmin - bounds(*s.given).xmin) / 360);
+    if (shift == 0 || !std::isfinite(shift)) continue;
+    Tin moved = *s.given;
+    for (Point& p : moved.vertices) p.x += shift;
+    s.given = std::make_shared<const Tin>(std::move(moved));
+  }
+}
+
 /// Makes a TIN in `crs` of a surface. Returns the planarity error that costs.
 double bring(Surface& s, const Crs& crs, const Plan& plan, Context& context) {
   if (const Raster* dem = std::get_if<Raster>(&s.value)) {
     DemTin made = dem_tin(*dem, s.crs, crs, s.name, dem_options(plan, crs), context);
     s.max_error = made.error;
+    if (wants_provenance(plan)) s.given = std::make_shared<const Tin>(made.tin);
     s.value = std::move(made.tin);
     return made.planarity_error;
   }
@@ -168,6 +190,7 @@ double bring(Surface& s, const Crs& crs, const Plan& plan, Context& context) {
   }
   double planarity_error = 0;
   Tin tin = std::move(std::get<Tin>(s.value));
+  if (wants_provenance(plan)) s.given = as_given(tin, s.crs, crs);
   if (plan.operation->intake.check) tin = checked(std::move(tin), s.name, context);
   move_to(tin, s.crs, crs, s.name, planarity_error, context);
   // Places may have become one: a pole is a whole row of longitudes.
@@ -273,6 +296,7 @@ Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& co
   for (Surface& s : surfaces) s.crs = frame.crs;
   if (!from.empty()) {
     if (operation.intake.check && lattices.empty()) unwrap(surfaces);
+    unwrap_given(surfaces);
     frame.reprojection = {{"from", from}, {"to", frame.crs.id()}, {"planarity_error", planarity_error}};
   }
   return frame;

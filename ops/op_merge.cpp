@@ -52,6 +52,24 @@ HeightFold folded(Overlap overlap, std::optional<double> level) {
   };
 }
 
+/// Of several heights the one that the policy takes; none where it makes a new one of them.
+Decider decider(Overlap overlap) {
+  return [overlap](const std::vector<std::optional<double>>& z) -> Index {
+    std::vector<Index> there;
+    for (Index i = 0; i < static_cast<Index>(z.size()); ++i)
+      if (z[i]) there.push_back(i);
+    if (there.empty()) return none;
+    if (there.size() == 1 || overlap == Overlap::first) return there.front();
+    if (overlap == Overlap::last) return there.back();
+    std::stable_sort(there.begin(), there.end(), [&](Index i, Index j) { return *z[i] < *z[j]; });
+    if (overlap == Overlap::min) return there.front();
+    if (overlap == Overlap::max)
+      return *std::find_if(there.begin(), there.end(), [&](Index i) { return *z[i] == *z[there.back()]; });
+    if (overlap == Overlap::median && there.size() % 2 == 1) return there[there.size() / 2];
+    return none;
+  };
+}
+
 Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& context) {
   const Crs& crs = inputs.front().crs;
   const MergeTiles tiles = merge_tiles(inputs, p, context);
@@ -77,6 +95,7 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
     };
   leave_ramps_out(std::move(merged.surface.ramps), bent ? "bent" : "ramps", crs, outcome, context);
   if (p.overlap == Overlap::blend) outcome.approximation["blend"] = blend_report(merged, crs, p);
+  outcome.decider = decider(p.overlap);
   outcome.rounding = merged.surface.rounding;
   if (const double offset = plan_length(p.wall_offset, crs); offset > 0 && p.seam == Seam::wall) {
     Leaned leaned = lean_walls(merged.surface.tin, offset, plan_metric(crs), context);

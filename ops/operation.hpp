@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,6 +58,8 @@ struct Surface {
   nlohmann::json source = nullptr;  // what a raster was before it was triangulated, for `info`; null for a TIN
   double max_error = 0;  // of the triangulation, measured over every sample in the result's CRS
   std::string word = {};  // the slot's word was given instead of a surface; the value is then a level without meaning
+  /// When provenance is asked for: a TIN with the faces in the order of its file, of a raster the TIN made of it.
+  std::shared_ptr<const Tin> given = {};
   std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }
@@ -120,6 +123,9 @@ const Operation& find_operation(std::string_view id);
 const std::vector<Parameter>& common_parameters();
 /// Those of them that an operation takes as they are; where max-error means something of its own it describes it itself.
 std::vector<Parameter> common_parameters_of(const Operation& operation);
+
+/// Does it return a surface, by any parameters?
+bool can_return_surface(const Operation& operation);
 
 /// The words of `format` that a kind of result can have, the default first.
 std::vector<std::string> formats_of(ResultKind kind);

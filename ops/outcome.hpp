@@ -31,6 +31,10 @@ class HeightField;
 /// One for each input that is a TIN, in their order. They look at these: a run that makes them leaves its inputs alone.
 using HeightFields = std::vector<std::shared_ptr<const HeightField>>;
 
+/// Which input's height holds at a place (none: that of several together), given the heights of the inputs there; levels
+/// are among them. For provenance.
+using Decider = std::function<Index(const std::vector<std::optional<double>>& inputs)>;
+
 /// What an operation's run returns.
 struct Outcome {
   std::variant<Tin, Raster, Picture, Vectors, nlohmann::json> result;
@@ -41,6 +45,8 @@ struct Outcome {
   std::function<Picture()> picture;
   std::optional<RoundingReport> rounding;
   HeightFold expected_height;  // null: nothing to check heights against
+  Decider decider;             // null: the lone one, else several together
+  std::string policy;          // in words; empty: the operation's name
   HeightFields fields;         // where the run has needed them; else the check makes its own
   std::optional<double> expected_area;  // of the result in plan, in squared CRS units
   nlohmann::json approximation;         // what is not exact by design, beside or instead of the triangulation of rasters

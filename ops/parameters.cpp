@@ -284,6 +284,11 @@ void CommonParameters::visit(Fields& f) {
   f.text("format", format, "The format of the output where its name does not tell.");
   f.integer("threads", threads, {.minimum = 0, .maximum = 1024},
             "How many threads to use; 0 leaves it to the program. The result does not depend on it.");
+  f.boolean("provenance", provenance,
+            "Say for every face of a resulting surface which face of each input it lies on, counted from 0 as in the "
+            "input's file (of a raster: as in the TIN that triangulate makes of it), null where there is none and for "
+            "walls; and which input's height was decided for, null for several together. In Terrane JSON alone, as its "
+            "member provenance: inputs, policy, faces, decided.");
 }
 
 }  // namespace terrane

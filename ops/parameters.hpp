@@ -128,6 +128,7 @@ struct CommonParameters {
   Length max_error, grid;
   std::string assume_crs, crs, target_crs, format;
   long threads = 0;
+  bool provenance = false;
   void visit(Fields& fields);
 };
 

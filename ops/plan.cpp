@@ -171,6 +171,21 @@ std::string choose_format(const Request& request, const Operation& operation, Re
 
 }  // namespace
 
+/// The provenance of faces has a place in Terrane JSON alone.
+void check_provenance(const Plan& made) {
+  if (!made.parameters.value("provenance", false)) return;
+  const std::string& id = made.operation->id;
+  if (made.operation->kind(made.parameters) != ResultKind::surface)
+    throw Error(ErrorKind::usage, "provenance",
+                "parameter 'provenance': with these parameters '" + id + "' returns no surface, whose faces have any");
+  if (made.output_format != "json")
+    throw Error(ErrorKind::usage, "provenance",
+                "parameter 'provenance': only Terrane JSON can hold it, not '" + made.output_format +
+                    "'; ask for the format json");
+  if (made.request.inputs.size() > 10000)
+    throw Error(ErrorKind::usage, "provenance", "parameter 'provenance' is for up to 10000 inputs");
+}
+
 Plan plan(Request request) {
   Plan made;
   made.operation = &find_operation(request.operation);
@@ -179,6 +194,7 @@ Plan plan(Request request) {
   check_inputs(request, *made.operation);
   if (made.operation->check) made.operation->check(made.parameters, request.inputs);
   made.request = std::move(request);
+  check_provenance(made);
   return made;
 }
 

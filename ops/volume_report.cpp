@@ -28,66 +28,114 @@ Point2 middle(const Box& a, const Box& b) {
 
 std::string text(double value) { return nlohmann::json(value).dump(); }
 
+/// A name as a cell of a table (RFC 4180).
+std::string cell_of(const nlohmann::json& name) {
+  if (name.is_null()) return "";
+  std::string plain = name.is_string() ? name.get<std::string>() : name.dump();
+  if (plain.find_first_of(",\"\r\n") == std::string::npos) return plain;
+  std::string quoted = "\"";
+  for (const char c : plain) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+/// What areas are weighed by where there is no grid to measure on.
+AreaScale own_scale(const Crs& crs) {
+  return crs.known() && crs.geographic() ? ellipsoidal_area_scale(crs) : AreaScale{};
+}
+
 }  // namespace
 
-VolumeReport::VolumeReport(const Surface& surface, VolumeOptions options)
-    : surface_(surface), options_(options), units_(units_of(surface.crs)) {}
-
 /// On the grid, where the CRS has one, and on the ellipsoid, where the CRS has a place on it.
-VolumeReport::Row VolumeReport::measured(const Measure& measure, Point2 centre) const {
-  const Crs& crs = surface_.crs;
-  Row row;
-  if (crs.known() && crs.geographic()) {
-    row.grid = measure(ellipsoidal_area_scale(crs));
+VolumeRow VolumeMeasure::measured(const Measure& measure, Point2 centre) const {
+  VolumeRow row;
+  if (crs_.known() && crs_.geographic()) {
+    row.grid = measure(ellipsoidal_area_scale(crs_));
     scale_figures(row.grid, 1, units_.height_factor);
     row.ellipsoidal = row.grid;
     return row;
   }
   row.grid = measure(nullptr);
   scale_figures(row.grid, units_.area_factor, units_.area_factor * units_.height_factor);
-  if (!crs.known() || crs.local()) return row;
-  row.ellipsoidal = measure(ellipsoidal_area_scale(crs));
+  if (!crs_.known() || crs_.local()) return row;
+  row.ellipsoidal = measure(ellipsoidal_area_scale(crs_));
   // The ellipsoidal scale gives square metres; figures in feet stay in feet.
-  const double metre = units_.area == "m2" ? 1 : crs.metres_per_length_unit();
-  const double height = units_.volume == "m3" ? crs.metres_per_height_unit() : 1;
+  const double metre = units_.area == "m2" ? 1 : crs_.metres_per_length_unit();
+  const double height = units_.volume == "m3" ? crs_.metres_per_height_unit() : 1;
   scale_figures(*row.ellipsoidal, 1 / (metre * metre), height / (metre * metre));
-  row.scale_factor = scale_factor(crs, centre);
+  if (std::isfinite(centre.x) && std::isfinite(centre.y)) row.scale_factor = scale_factor(crs_, centre);
   return row;
 }
 
+/// Plan and heights are in different units.
+bool VolumeMeasure::in_two_units() const {
+  return crs_.known() && (crs_.geographic() || crs_.length_unit() != crs_.height_unit());
+}
+
 /// Where plan and heights are in different units the core cannot know areas in space.
-void VolumeReport::measure_space(Volume& v, const Tin* reference, double level, Context& context) const {
-  const Crs& crs = surface_.crs;
-  if (!crs.known() || (!crs.geographic() && crs.length_unit() == crs.height_unit())) return;
-  const AreaScale scale = crs.geographic() ? ellipsoidal_area_scale(crs) : AreaScale{};
-  const auto areas = space_areas(surface_.tin(), reference, level, options_.tolerance, crs, scale, context);
+void VolumeMeasure::measure_space(Volume& v, const Tin& surface, const Tin* reference, double level,
+                                  Context& context) const {
+  if (!in_two_units()) return;
+  const AreaScale scale = crs_.geographic() ? ellipsoidal_area_scale(crs_) : AreaScale{};
+  const auto areas = space_areas(surface, reference, level, options_.tolerance, crs_, scale, context);
   v.fill.area_3d = areas.fill * units_.area_factor;
   v.cut.area_3d = areas.cut * units_.area_factor;
   v.same_area_3d = areas.same * units_.area_factor;
 }
 
-bool VolumeReport::add_reference(const Surface& reference, Context& context) {
-  reference_ = reference.name;
-  const Tin &a = surface_.tin(), &b = reference.tin();
-  Row row = measured([&](const AreaScale& scale) { return volume(a, b, options_.tolerance, scale, context); },
-                     middle(bounds(a), bounds(b)));
-  measure_space(row.grid, &b, 0, context);
-  rows_.push_back(row);
-  return row.grid.overlap_area_2d > 0;
+Steepness VolumeMeasure::steepness() const {
+  if (!in_two_units()) return nullptr;
+  return [this](const Point& a, const Point& b, const Point& c) { return terrane::steepness(a, b, c, crs_); };
 }
 
-void VolumeReport::add_level(double level, Context& context) {
-  level_ = true;
-  reference_ = rows_.empty() ? text(level) : "levels";
-  const Tin& a = surface_.tin();
-  Row row = measured([&](const AreaScale& scale) { return volume(a, level, options_.tolerance, scale, context); },
-                     middle(bounds(a), bounds(a)));
-  measure_space(row.grid, nullptr, level, context);
+VolumeRow VolumeMeasure::between(const Tin& surface, const Tin& reference, Context& context) const {
+  const bool apart = surface.faces.empty() || reference.faces.empty();
+  VolumeRow row = measured(
+      [&](const AreaScale& scale) {
+        if (!apart) return volume(surface, reference, options_.tolerance, scale, context);
+        Volume none;
+        if (!surface.faces.empty()) none.surface_only_area_2d = area(surface, scale);
+        if (!reference.faces.empty()) none.reference_only_area_2d = area(reference, scale);
+        return none;
+      },
+      middle(bounds(surface), bounds(reference)));
+  if (apart) return row;
+  measure_space(row.grid, surface, &reference, 0, context);
+  if (options_.polygons)
+    row.areas = features(volume_areas(surface, reference, options_.tolerance, own_scale(crs_), steepness(), context));
+  return row;
+}
+
+VolumeRow VolumeMeasure::at_level(const Tin& surface, double level, Context& context) const {
+  const bool empty = surface.faces.empty();
+  VolumeRow row = measured(
+      [&](const AreaScale& scale) {
+        return empty ? Volume{} : volume(surface, level, options_.tolerance, scale, context);
+      },
+      middle(bounds(surface), bounds(surface)));
   row.level = level;
-  rows_.push_back(row);
+  if (empty) return row;
+  measure_space(row.grid, surface, nullptr, level, context);
+  if (options_.polygons)
+    row.areas = features(volume_areas(surface, level, options_.tolerance, own_scale(crs_), steepness(), context));
+  return row;
 }
 
-nlohmann::json VolumeReport::row_json(const Row& row) const {
+std::vector<Feature> VolumeMeasure::features(const VolumeAreas& areas) const {
+  const double area = crs_.known() && crs_.geographic() ? 1 : units_.area_factor, volume = area * units_.height_factor;
+  std::vector<Feature> made;
+  for (const VolumeArea& of : areas.areas) {
+    const char* kind = of.kind == VolumeKind::above ? "above" : of.kind == VolumeKind::below ? "below" : "same";
+    made.push_back({.properties = {{"kind", kind},
+                                   {"volume", of.volume * volume},
+                                   {"area_2d", of.area_2d * area},
+                                   {"area_3d", of.area_3d * area},
+                                   {"max_dz", of.max_dz}},
+                    .polygons = {of.polygon}});
+  }
+  return made;
+}
+
+nlohmann::json VolumeReport::row_json(const VolumeRow& row) const {
   const Volume& v = row.grid;
   const char *up = level_ ? "above" : "fill", *down = level_ ? "below" : "cut";
   nlohmann::json ellipsoidal;
@@ -96,7 +144,7 @@ nlohmann::json VolumeReport::row_json(const Row& row) const {
                    {std::string(up) + "_volume", row.ellipsoidal->fill.volume},
                    {"net_volume", row.ellipsoidal->net}};
   const double adjusted = v.fill.volume * options_.fill_factor - v.cut.volume * options_.cut_factor;
-  return {{"region", nullptr},
+  return {{"region", row.region},
           {"level", row.level ? nlohmann::json(*row.level) : nlohmann::json()},
           {up, side_json(v.fill)},
           {down, side_json(v.cut)},
@@ -113,9 +161,10 @@ nlohmann::json VolumeReport::row_json(const Row& row) const {
 }
 
 nlohmann::json VolumeReport::json() const {
+  const Units units = units_of(surface_.crs);
   nlohmann::json rows = nlohmann::json::array();
   double residual = 0;
-  for (const Row& row : rows_) {
+  for (const VolumeRow& row : rows_) {
     rows.push_back(row_json(row));
     residual = std::max(residual, row.grid.identity_residual);
   }
@@ -124,7 +173,7 @@ nlohmann::json VolumeReport::json() const {
           {"reference", reference_},
           {"crs", surface_.crs.known() ? surface_.crs.id() : ""},
           {"units",
-           {{"length", units_.length}, {"height", units_.height}, {"area", units_.area}, {"volume", units_.volume}}},
+           {{"length", units.length}, {"height", units.height}, {"area", units.area}, {"volume", units.volume}}},
           {"tolerance", options_.tolerance},
           {"rows", rows},
           {"sign", level_ ? "net = above - below" : "net = fill - cut; fill: surface above reference"},
@@ -141,9 +190,9 @@ std::string VolumeReport::csv() const {
            "_volume,ellipsoidal_net_volume,combined_scale_factor,overlap_area_2d,surface_only_area_2d,reference_only_"
            "area_2d\n";
   const auto cell = [&](double figure) { table.append(",").append(text(figure)); };
-  for (const Row& row : rows_) {
+  for (const VolumeRow& row : rows_) {
     const Volume& v = row.grid;
-    table.append(",").append(row.level ? text(*row.level) : "");
+    table.append(cell_of(row.region)).append(",").append(row.level ? text(*row.level) : "");
     for (const VolumeSide& s : {v.fill, v.cut})
       for (double figure : {s.volume, s.area_2d, s.area_3d, s.max_dz}) cell(figure);
     for (double figure : {v.same_area_2d, v.same_area_3d, v.net,
@@ -159,6 +208,17 @@ std::string VolumeReport::csv() const {
     table += "\n";
   }
   return table;
+}
+
+Vectors VolumeReport::polygons() const {
+  Vectors all;
+  for (const VolumeRow& row : rows_)
+    for (Feature feature : row.areas) {
+      if (!row.region.is_null()) feature.properties["region"] = row.region;
+      if (row.level) feature.properties["level"] = *row.level;
+      all.features.push_back(std::move(feature));
+    }
+  return all;
 }
 
 }  // namespace terrane

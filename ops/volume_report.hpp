@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/volume.hpp"
+#include "core/volume_areas.hpp"
+#include "io/vectors.hpp"
 #include "ops/measure.hpp"
 #include "ops/operation.hpp"
 
@@ -16,38 +18,64 @@ namespace terrane {
 struct VolumeOptions {
   double tolerance = 0;  // in height units
   double cut_factor = 1, fill_factor = 1;
+  bool polygons = false;
 };
 
-/// The volume report of the contract, row by row: volumes from the core, figures in the units of the CRS.
+/// A row of the report, figures in its units.
+struct VolumeRow {
+  nlohmann::json region = nullptr;  // the name of a part of the surface; null: all of it
+  std::optional<double> level;
+  Volume grid;
+  std::optional<Volume> ellipsoidal;  // none for local frames
+  double scale_factor = 1;
+  std::vector<Feature> areas;  // above, same, below as polygons, when they are asked for
+};
+
+/// Measures rows: volumes from the core, figures in the units of the CRS. Many threads may, each with its own context.
+class VolumeMeasure {
+ public:
+  VolumeMeasure(const Crs& crs, VolumeOptions options) : crs_(crs), options_(options), units_(units_of(crs)) {}
+
+  /// Either surface may be empty.
+  VolumeRow between(const Tin& surface, const Tin& reference, Context& context) const;
+  VolumeRow at_level(const Tin& surface, double level, Context& context) const;
+
+ private:
+  using Measure = std::function<Volume(const AreaScale&)>;
+  VolumeRow measured(const Measure& measure, Point2 centre) const;
+  void measure_space(Volume& v, const Tin& surface, const Tin* reference, double level, Context& context) const;
+  std::vector<Feature> features(const VolumeAreas& areas) const;
+  Steepness steepness() const;
+  bool in_two_units() const;
+
+  const Crs& crs_;
+  VolumeOptions options_;
+  Units units_;
+};
+
+/// The volume report of the contract, row by row.
 class VolumeReport {
  public:
-  VolumeReport(const Surface& surface, VolumeOptions options);
+  /// `level`: the reference is one, or several.
+  VolumeReport(const Surface& surface, std::string reference, bool level, VolumeOptions options)
+      : surface_(surface), reference_(std::move(reference)), level_(level), options_(options) {}
 
-  /// False where the two do not overlap.
-  bool add_reference(const Surface& reference, Context& context);
-  void add_level(double level, Context& context);
+  void add(VolumeRow row) { rows_.push_back(std::move(row)); }
+  const std::vector<VolumeRow>& rows() const { return rows_; }
 
   nlohmann::json json() const;
   std::string csv() const;
+  /// The areas of all rows, each with its row's region and level.
+  Vectors polygons() const;
 
  private:
-  struct Row {
-    std::optional<double> level;
-    Volume grid;  // in the report's units
-    std::optional<Volume> ellipsoidal;  // none for local frames
-    double scale_factor = 1;
-  };
-  using Measure = std::function<Volume(const AreaScale&)>;
-  Row measured(const Measure& measure, Point2 centre) const;
-  void measure_space(Volume& v, const Tin* reference, double level, Context& context) const;
-  nlohmann::json row_json(const Row& row) const;
+  nlohmann::json row_json(const VolumeRow& row) const;
 
   const Surface& surface_;
-  VolumeOptions options_;
-  Units units_;
   std::string reference_;
-  bool level_ = false;
-  std::vector<Row> rows_;
+  bool level_;
+  VolumeOptions options_;
+  std::vector<VolumeRow> rows_;
 };
 
 /// Surface areas in space by side, where core/volume cannot know them because plan and height have different units; in
