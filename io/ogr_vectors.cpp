@@ -317,16 +317,19 @@ void write_layer(GDALDataset& dataset, const Vectors& vectors, const std::string
   }
 }
 
-/// Drawing programs have lines one by one, their height the elevation of all corners.
+/// Drawing programs have lines one by one, their height the elevation of all corners, their kind a layer.
 void write_drawing(GDALDataset& dataset, const Vectors& vectors) {
   OGRLayer* layer = dataset.CreateLayer("entities", nullptr, wkbUnknown, nullptr);
   if (!layer) failed();
   for (const Feature& f : vectors.features) {
     const auto level = f.properties.find("level");
     const bool flat = level != f.properties.end() && level->is_number();
+    const auto kind = f.properties.find("kind");
+    const bool named = kind != f.properties.end() && kind->is_string();
     const auto add = [&](std::unique_ptr<OGRGeometry> geometry) {
       if (flat && !geometry->Is3D()) geometry->set3D(true);
       OGRFeature row(layer->GetLayerDefn());
+      if (named) row.SetField("Layer", kind->get<std::string>().c_str());
       row.SetGeometryDirectly(geometry.release());
       if (layer->CreateFeature(&row) != OGRERR_NONE) failed();
     };

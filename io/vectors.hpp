@@ -46,7 +46,8 @@ std::optional<std::string> vector_format(std::string_view bytes);
 Vectors read_vectors(std::string_view bytes, const std::string& name, Context& context);
 
 /// "geojson", "gpkg" or "dxf". Numbers of GeoJSON are exact; a CRS other than longitude and latitude on WGS 84 stands
-/// in its `crs` member. DXF has the number `level` of a feature as its elevation and nothing else of its properties. A
+/// in its `crs` member. DXF has the number `level` of a feature as its elevation, the text `kind` as
+/// its layer, and nothing else of its properties. A
 /// GeoPackage holds a table for each kind of shape. The same bytes for the same value.
 std::string write_vectors(const Vectors& vectors, std::string_view word);
 

@@ -157,7 +157,8 @@ Operation volume_operation() {
        .title = "Volumes between two surfaces, or above and below a level",
        .description =
            "Cut, fill and net volume between a surface and a reference over their overlap, with plan and surface "
-           "areas, on the grid and on the ellipsoid. Net = fill - cut; fill: the surface lies above.",
+           "areas, on the grid and on the ellipsoid. Net = fill - cut; fill: the surface lies above. For all of it, in "
+           "regions, at levels; as a report, or as the polygons of above, same and below.",
        .inputs = {{"surface", 1, 1, false, "The surface: a TIN or a raster."},
                   {"reference", 0, 1, true,
                    "What it is compared with: a TIN, a raster, a number (a level), or the word boundary, the TIN "

@@ -226,6 +226,47 @@ class Executions(unittest.TestCase):
         self.assertEqual(table.status, 200)
         self.assertTrue(table.media_type.startswith("text/csv"))
 
+    def test_volumes_of_parcels_and_as_polygons(self):
+        def box(name, x0, x1):
+            ring = [[x0, 0], [x1, 0], [x1, 100], [x0, 100], [x0, 0]]
+            return {"type": "Feature", "properties": {"name": name},
+                    "geometry": {"type": "Polygon", "coordinates": [ring]}}
+        parcels = json.dumps({"type": "FeatureCollection", "features": [box("west", 0, 40), box("east", 40, 100)]})
+        form = [("surface", File("a.obj", square_obj(0, 0, 100, 10, 4))), ("reference", "8"),
+                ("region", File("parcels.geojson", parcels)), ("region-crs", "EPSG:25831")]
+        answer = service.post_form("volume", form, "?assume-crs=EPSG:25831")
+        self.assertEqual(answer.status, 200, answer.body)
+        rows = answer.json()["rows"]
+        self.assertEqual([row["region"] for row in rows], ["west", "east"])
+        self.assertAlmostEqual(sum(row["coverage"]["overlap_area_2d"] for row in rows), 10000, places=6)
+        areas = service.post_form("volume", form + [("polygons", "true")], "?assume-crs=EPSG:25831")
+        self.assertEqual(areas.status, 200, areas.body)
+        self.assertEqual(areas.media_type, "application/geo+json")
+        features = areas.json()["features"]
+        above = sum(f["properties"]["volume"] for f in features if f["properties"]["kind"] == "above")
+        self.assertAlmostEqual(above, sum(row["above"]["volume"] for row in rows), places=6)
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in (("a.obj", square_obj(0, 0, 100, 10, 4)), ("parcels.geojson", parcels)):
+                with open(os.path.join(folder, name), "w") as file:
+                    file.write(content)
+            subprocess.run([TERRANE, "volume", "a.obj", "8", "--region", "parcels.geojson", "--region-crs", "EPSG:25831",
+                            "--assume-crs", "EPSG:25831", "--polygons", "-o", "areas.geojson", "--quiet"],
+                           cwd=folder, check=True)
+            with open(os.path.join(folder, "areas.geojson"), "rb") as file:
+                self.assertEqual(file.read(), areas.body)
+
+    def test_provenance_is_in_terrane_json(self):
+        inputs = {"tiles": [square_tin(0, 0, 100, 10), square_tin(50, 0, 100, 20)], "provenance": True, **UTM}
+        tin = service.post_json("merge", {"inputs": inputs})
+        self.assertEqual(tin.status, 200, tin.body)
+        found = tin.json()["provenance"]
+        self.assertEqual(found["policy"], "merge overlap=first")
+        self.assertEqual(len(found["faces"]), len(tin.json()["triangles"]))
+        self.assertEqual(set(found["decided"]), {0, 1, None})
+        self.assertEqual(service.post_json("merge", {"inputs": inputs}, "?f=obj").status, 400)
+        again = service.post_json("info", {"inputs": {"surface": tin.json()}})
+        self.assertEqual(again.status, 200, again.body)
+
     def test_a_region_of_interest(self):
         inputs = {"surface": square_tin(0, 0, 100, 10, 4), "bbox": [20, 30, 70, 90], **UTM}
         inside = service.post_json("clip", {"inputs": inputs}, "?f=obj")
