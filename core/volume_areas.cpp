@@ -101,7 +101,7 @@ class Areas {
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
       const Index parent = pieces_.parent[f], zone = mesh.zone[f];
       const bool level = dz(parent, 0) == 0 && dz(parent, 1) == 0 && dz(parent, 2) == 0;
-      kinds_[f] = zone == 0                   ? VolumeKind::below
+      kinds_[f] = zone == 0  ? VolumeKind::below
                   : tolerant ? (zone == 1 ? VolumeKind::same : VolumeKind::above)
                   : level    ? VolumeKind::same
                              : VolumeKind::above;
@@ -170,7 +170,7 @@ class Areas {
   std::vector<double> z_;
   Context& context_;
   LevelPieces pieces_;
-  std::vector<VolumeKind> kinds_;      // per face of the pieces
+  std::vector<VolumeKind> kinds_;  // per face of the pieces
   std::vector<Index> area_of_face_;
   std::vector<Figures> figures_;
 };

@@ -25,7 +25,7 @@ struct VolumeParameters {
   void visit(Fields& f) {
     f.length("tolerance", tolerance, {.minimum = 0}, "Differences in height up to this count as the same.");
     f.numbers("levels", levels,
-           "Levels instead of a reference, a row each: a list (90,95,100) or from:to:step (90:110:5).");
+              "Levels instead of a reference, a row each: a list (90,95,100) or from:to:step (90:110:5).");
     f.vectors("region", region,
               "Polygons to measure in, a row each, named by the property name, id or fid, else by their number. "
               "Regions may overlap, each is measured by itself; one that does not touch the surface has a row of "
@@ -168,12 +168,13 @@ Operation volume_operation() {
        .check = check,
        .result_with =
            [](const nlohmann::json& values) {
-             return values.value("polygons", false) ? ResultKind::vectors : ResultKind::table;
+  return values.value("polygons", false) ? ResultKind::vectors : ResultKind::table;
            }},
-       .example = {.files = {"west.tif", "east.tif"}}},
+       .example = {
+  .files = { "west.tif", "east.tif" }}},
       run);
-  for (const std::string& word : formats_of(ResultKind::vectors)) made.output_formats.push_back(word);
-  return made;
+for (const std::string& word : formats_of(ResultKind::vectors)) made.output_formats.push_back(word);
+return made;
 }
 
 }  // namespace terrane

@@ -29,7 +29,7 @@ struct Fate {
 };
 
 /// One warning for all regions of which something is true.
-void warn_of(const std::vector<VolumeRegion>& regions, const std::vector<Fate>& fates, bool Fate::* fate,
+void warn_of(const std::vector<VolumeRegion>& regions, const std::vector<Fate>& fates, bool Fate::*fate,
              const char* code, const std::string& input, const char* one, const char* many, const char* remedy,
              Context& context) {
   std::string names;
@@ -51,7 +51,9 @@ Tin within(const FaceRuns& faces, const PlanRegion& area, Context& context) {
 
 }  // namespace
 
-std::string VolumeRegion::quoted() const { return name.is_string() ? "'" + name.get<std::string>() + "'" : name.dump(); }
+std::string VolumeRegion::quoted() const {
+  return name.is_string() ? "'" + name.get<std::string>() + "'" : name.dump();
+}
 
 std::vector<VolumeRegion> volume_regions(const Vectors& vectors) {
   std::vector<VolumeRegion> regions;
@@ -96,7 +98,12 @@ void for_each_part(const Surface& surface, const Tin* reference, const std::vect
       if (reference_faces) part.reference = within(*reference_faces, area, own);
       fates[i].outside = part.surface.faces.empty();
     }
-    work(i, part, own);
+    try {
+      work(i, part, own);
+    } catch (const Error& error) {
+      if (error.kind != ErrorKind::input) throw;
+      throw Error(error.kind, error.code, "region " + regions[i].quoted() + ": " + error.what());
+    }
     ++done;
   });
   warn_of(regions, fates, &Fate::no_area, "empty-region", "", "has no area; its row is zero",

@@ -168,16 +168,16 @@ nlohmann::json VolumeReport::json() const {
     rows.push_back(row_json(row));
     residual = std::max(residual, row.grid.identity_residual);
   }
-  return {{"type", "VolumeReport"},
-          {"surface", surface_.name},
-          {"reference", reference_},
-          {"crs", surface_.crs.known() ? surface_.crs.id() : ""},
-          {"units",
-           {{"length", units.length}, {"height", units.height}, {"area", units.area}, {"volume", units.volume}}},
-          {"tolerance", options_.tolerance},
-          {"rows", rows},
-          {"sign", level_ ? "net = above - below" : "net = fill - cut; fill: surface above reference"},
-          {"identity_residual", residual}};
+  return {
+      {"type", "VolumeReport"},
+      {"surface", surface_.name},
+      {"reference", reference_},
+      {"crs", surface_.crs.known() ? surface_.crs.id() : ""},
+      {"units", {{"length", units.length}, {"height", units.height}, {"area", units.area}, {"volume", units.volume}}},
+      {"tolerance", options_.tolerance},
+      {"rows", rows},
+      {"sign", level_ ? "net = above - below" : "net = fill - cut; fill: surface above reference"},
+      {"identity_residual", residual}};
 }
 
 std::string VolumeReport::csv() const {

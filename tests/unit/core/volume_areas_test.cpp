@@ -265,7 +265,8 @@ TEST(VolumeAreas, TheSameBytesOnAnyThreads) {
   const Tin a = terrain(3000, 21), b = terrain(2500, 22);
   Context one, three;
   three.threads = 3;
-  const VolumeAreas x = volume_areas(a, b, 0.1, nullptr, nullptr, one), y = volume_areas(a, b, 0.1, nullptr, nullptr, three);
+  const VolumeAreas x = volume_areas(a, b, 0.1, nullptr, nullptr, one),
+                    y = volume_areas(a, b, 0.1, nullptr, nullptr, three);
   ASSERT_EQ(x.areas.size(), y.areas.size());
   for (std::size_t i = 0; i < x.areas.size(); ++i) {
     EXPECT_EQ(x.areas[i].volume, y.areas[i].volume);

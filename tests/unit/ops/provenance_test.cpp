@@ -28,7 +28,8 @@ std::string survey(double x, double y, int n, unsigned seed, double wave) {
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
       const double u = x + 10 * i + 6 * uniform() - 3, v = y + 10 * j + 6 * uniform() - 3;
-      tin["vertices"].push_back({u, v, 10 + wave * std::sin(0.07 * (u - x)) + 4 * std::cos(0.05 * (v - y)) + uniform()});
+      tin["vertices"].push_back(
+          {u, v, 10 + wave * std::sin(0.07 * (u - x)) + 4 * std::cos(0.05 * (v - y)) + uniform()});
     }
   std::vector<std::array<int, 3>> faces;
   for (int j = 0; j < n; ++j)
@@ -55,7 +56,8 @@ Response run(const std::string& operation, const std::vector<std::pair<std::stri
   request.operation = operation;
   int number = 0;
   for (const auto& [slot, bytes] : inputs)
-    request.inputs.push_back({slot, bytes[0] == '{' ? std::string(1, static_cast<char>('a' + number++)) + ".json" : "", "", bytes});
+    request.inputs.push_back(
+        {slot, bytes[0] == '{' ? std::string(1, static_cast<char>('a' + number++)) + ".json" : "", "", bytes});
   request.parameters = std::move(parameters);
   request.format = format;
   Context context;
@@ -100,9 +102,7 @@ int judge(const Response& r, const std::vector<std::string>& inputs, Explain exp
       x += w[k] / sum * v[0].get<double>(), y += w[k] / sum * v[1].get<double>();
     }
     const auto z = height_inside(result, f, x, y);
-    if (!z) {  // a wall, or a sliver
-      continue;
-    }
+    if (!z) continue;  // a wall, or a sliver
     std::vector<std::optional<double>> heights(tins.size());
     bool sure = true;
     for (std::size_t t = 0; t < tins.size(); ++t) {
@@ -113,7 +113,9 @@ int judge(const Response& r, const std::vector<std::string>& inputs, Explain exp
       if (!named.is_null()) {
         heights[t] = height_inside(tins[t], named.get<std::size_t>(), x, y);
         if (!heights[t]) sure = false;  // within 1e-7 of an edge
-        if (found) EXPECT_EQ(named, *found) << "input " << t << " at " << x << ", " << y;
+        if (found) {
+          EXPECT_EQ(named, *found) << "input " << t << " at " << x << ", " << y;
+        }
       } else {
         EXPECT_FALSE(found) << "input " << t << " at " << x << ", " << y;
       }
@@ -123,7 +125,9 @@ int judge(const Response& r, const std::vector<std::string>& inputs, Explain exp
     const Json& decided = from["decided"][f];
     const auto expected = explain(heights, decided.is_null() ? -1 : decided.get<int>());
     EXPECT_TRUE(expected.has_value()) << decided;
-    if (expected) EXPECT_NEAR(*z, *expected, 1e-6);
+    if (expected) {
+      EXPECT_NEAR(*z, *expected, 1e-6);
+    }
   }
   return judged;
 }
@@ -150,8 +154,8 @@ TEST(Provenance, OfMergesNamesTheTileWhoseHeightHolds) {
 
 TEST(Provenance, OfADifferenceIsBothOrTheLoneOne) {
   for (const char* outside : {"drop", "zero"}) {
-    const Response r = run("subtract", {{"minuend", first}, {"subtrahend", second}},
-                           {{"outside", outside}, {"provenance", "true"}});
+    const Response r =
+        run("subtract", {{"minuend", first}, {"subtrahend", second}}, {{"outside", outside}, {"provenance", "true"}});
     const int judged = judge(r, {first, second}, [&](const auto& z, int decided) -> std::optional<double> {
       EXPECT_EQ(decided, z[0] && z[1] ? -1 : z[0] ? 0 : 1);
       return z[0].value_or(0) - z[1].value_or(0);
@@ -161,11 +165,14 @@ TEST(Provenance, OfADifferenceIsBothOrTheLoneOne) {
 }
 
 TEST(Provenance, OfOneInputItIsThatInput) {
-  const Response r = run("clip", {{"surface", first}}, {{"bbox", "500020,4600020,500083,4600071"}, {"provenance", "true"}});
-  EXPECT_GT(judge(r, {first}, [](const auto& z, int decided) {
-              EXPECT_EQ(decided, 0);
-              return z[0];
-            }), 1000);
+  const Response r =
+      run("clip", {{"surface", first}}, {{"bbox", "500020,4600020,500083,4600071"}, {"provenance", "true"}});
+  EXPECT_GT(judge(r, {first},
+                  [](const auto& z, int decided) {
+                    EXPECT_EQ(decided, 0);
+                    return z[0];
+                  }),
+            1000);
 }
 
 TEST(Provenance, ALevelMayDecide) {
@@ -176,7 +183,9 @@ TEST(Provenance, ALevelMayDecide) {
     EXPECT_TRUE(from["faces"][f][1].is_null());
     bool flat = true;
     for (const auto& v : tin["triangles"][f]) flat = flat && tin["vertices"][v.get<std::size_t>()][2] == 11.0;
-    if (from["decided"][f] == 1) EXPECT_TRUE(flat), ++level;
+    if (from["decided"][f] != 1) continue;
+    EXPECT_TRUE(flat);
+    ++level;
   }
   EXPECT_GT(level, 10);
 }
@@ -200,7 +209,8 @@ TEST(Provenance, WallsComeFromNoFace) {
 }
 
 TEST(Provenance, FollowsReprojection) {
-  const Response r = run("merge", {{"tiles", first}, {"tiles", second}}, {{"target-crs", "EPSG:4326"}, {"provenance", "true"}});
+  const Response r =
+      run("merge", {{"tiles", first}, {"tiles", second}}, {{"target-crs", "EPSG:4326"}, {"provenance", "true"}});
   const Json result = Json::parse(r.body);
   // Numbers are those of the files, wherever the faces went.
   const Response here = run("merge", {{"tiles", first}, {"tiles", second}}, {{"provenance", "true"}});
@@ -217,7 +227,8 @@ TEST(Provenance, FollowsReprojection) {
 
 TEST(Provenance, IsTheSameOnAnyThreadsAndIgnoredWhenRead) {
   const std::vector<std::pair<std::string, std::string>> tiles = {{"tiles", first}, {"tiles", second}};
-  const Response one = run("merge", tiles, {{"provenance", "true"}}), three = run("merge", tiles, {{"provenance", "true"}}, "json", 3);
+  const Response one = run("merge", tiles, {{"provenance", "true"}}),
+                 three = run("merge", tiles, {{"provenance", "true"}}, "json", 3);
   EXPECT_EQ(one.body, three.body);
   const Response without = run("merge", tiles, {});
   EXPECT_EQ(without.body.find("provenance"), std::string::npos);

@@ -43,7 +43,7 @@ Response run(const std::string& surface, const std::string& reference, Parameter
              const std::string& format = "") {
   Request request;
   request.operation = "volume";
-  request.inputs.push_back({"surface", "s.json", "", surface});
+  request.inputs.push_back({"surface", surface[0] == '{' ? "s.json" : "s.asc", "", surface});
   if (!reference.empty()) {
     const bool tin = reference[0] == '{';
     request.inputs.push_back({"reference", tin ? "r.json" : "", "", reference});
@@ -99,12 +99,13 @@ std::string parcels(int n, double extent) {
   };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i)
-      features.push_back({{"type", "Feature"},
-                          {"properties", {{"name", "p" + std::to_string(j * n + i)}}},
-                          {"geometry",
-                           {{"type", "Polygon"},
-                            {"coordinates",
-                             {{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1), corner(i, j)}}}}}});
+      features.push_back(
+          {{"type", "Feature"},
+           {"properties", {{"name", "p" + std::to_string(j * n + i)}}},
+           {"geometry",
+            {{"type", "Polygon"},
+             {"coordinates",
+              {{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1), corner(i, j)}}}}}});
   return collection(features);
 }
 
@@ -176,9 +177,11 @@ TEST(VolumeRegions, LevelsGiveARowForEachRegionAndLevel) {
 
 TEST(VolumeRegions, BoundaryIsTheToeOfEachPart) {
   // A pyramid of 4 cells on level ground; drawn round, it stands on the ground, whatever lies elsewhere.
-  const std::string surface =
-      grid(20, [](int i, int j) { return i < 10 ? 100 + std::max(0, 4 - std::max(std::abs(i - 5), std::abs(j - 5))) : 3.0 * i; });
-  const auto row = run(surface, "boundary", {{"region", collection({box(5, 5, 95, 95, {{"name", "pile"}})})}}).report["rows"][0];
+  const std::string surface = grid(20, [](int i, int j) {
+    return i < 10 ? 100 + std::max(0, 4 - std::max(std::abs(i - 5), std::abs(j - 5))) : 3.0 * i;
+  });
+  const auto row =
+      run(surface, "boundary", {{"region", collection({box(5, 5, 95, 95, {{"name", "pile"}})})}}).report["rows"][0];
   // Heights 0..4 on squares of 80, 60, 40, 20 m, grid diagonals: compare with the volume above the ground it stands on.
   const auto above = run(surface, "100", {{"region", collection({box(5, 5, 90, 95, {})})}}).report["rows"][0];
   EXPECT_NEAR(row["fill"]["volume"].get<double>(), above["above"]["volume"].get<double>(), 40);
@@ -271,4 +274,19 @@ TEST(VolumePolygons, InOtherFormatsAndUnits) {
     const double expected = sum(rows, std::string("/above/") + figure);
     EXPECT_NEAR(total, expected, 1e-9 * expected) << figure;
   }
+}
+
+TEST(VolumeRegions, AThousandParcelsOfALargeSurface) {
+  const int n = 361;  // 259,200 faces
+  std::string raster = "ncols " + std::to_string(n) + "\nnrows " + std::to_string(n) +
+                       "\nxllcenter 500000\nyllcenter 4600000\ncellsize 1\n";
+  for (int j = 0; j < n; ++j, raster += "\n")
+    for (int i = 0; i < n; ++i)
+      raster += std::to_string(50 + 9 * std::sin(0.05 * i) * std::cos(0.04 * j) + 0.3 * std::sin(1.7 * i + j)) + " ";
+  const Parameters crs = {{"assume-crs", "EPSG:25831"}};
+  Parameters parts = crs;
+  parts.emplace_back("region", parcels(32, n - 1));
+  const Response r = run(raster, "50", parts);
+  EXPECT_EQ(r.report["rows"].size(), 1024u);
+  expect_tiles_the_whole(r.report["rows"], run(raster, "50", crs).report["rows"], "above", "below");
 }
