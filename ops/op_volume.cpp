@@ -169,7 +169,7 @@ Operation volume_operation() {
        .result_with =
            [](const nlohmann::json& values) {
   return values.value("polygons", false) ? ResultKind::vectors : ResultKind::table;
-           }},
+           },
        .example = {
   .files = { "west.tif", "east.tif" }}},
       run);
