@@ -133,7 +133,9 @@ class Step {
       result.surface.z.push_back(overlay_.height(winner, f, k));
       result.surface.firm.push_back(is_firm(from, parent, (*points_)[overlay_.faces[f][k]]));
     }
-    result.contributors.push_back(from.contributors[parent]);
+    // What wins over a ramp need not win over what the ramp replaced.
+    const bool over_ramp = winner == 1 && a != none && sets_.is_sloped(near_.contributors[a]);
+    result.contributors.push_back(over_ramp ? sets_.sloped(from.contributors[parent]) : from.contributors[parent]);
   }
 
   /// A tile pasted over keeps its heights wherever it is; else those of the overlap are kept. A mean of more tiles
