@@ -18,7 +18,7 @@ namespace {
 
 /// Cosine and sine of n / of of a full turn; the same digits in every eighth of it, and exact at quarters.
 std::array<double, 2> turned_by(double n, double of) {
-  double eighths = std::fmod(8 * n / of, 8);
+  double eighths = 8 * std::fmod(n, of) / of;  // exact first: 8 n may be more than numbers hold
   if (eighths < 0) eighths += 8;
   const int quarter = static_cast<int>((eighths + 1) / 2) % 4;  // the nearest axis
   double rest = eighths - 2 * quarter;                          // -1 to 1 eighth from it

@@ -224,7 +224,7 @@ void warn_of_heights(const HeightCheck& heights, const Tin& tin, Context& contex
   if (heights.max_error > 1e-6 * largest)
     context.warn(
         {"height-check", "", "",
-         "some height of the result is " + std::to_string(heights.max_error) + " off what the inputs say there",
+         "some height of the result is " + nlohmann::json(heights.max_error).dump() + " off what the inputs say there",
          "look at the place, and report it with the inputs: results are meant to be exact"});
 }
 
