@@ -340,9 +340,13 @@ void write_drawing(GDALDataset& dataset, const Vectors& vectors) {
     };
     for (const Point& p : f.points) add(std::make_unique<OGRPoint>(ogr(p)));
     for (const Line& line : f.lines) add(ogr<OGRLineString>(lifted(line), false));
+    const auto add_ring = [&](Line ring) {
+      if (!ring.empty()) ring.push_back(ring.front());
+      add(ogr<OGRLineString>(lifted(std::move(ring)), false));
+    };
     for (const Polygon& polygon : f.polygons) {
-      add(ogr<OGRLineString>(lifted(polygon.outer), false));
-      for (const Line& hole : polygon.holes) add(ogr<OGRLineString>(lifted(hole), false));
+      add_ring(polygon.outer);
+      for (const Line& hole : polygon.holes) add_ring(hole);
     }
   }
 }
