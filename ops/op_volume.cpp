@@ -168,13 +168,12 @@ Operation volume_operation() {
        .check = check,
        .result_with =
            [](const nlohmann::json& values) {
-  return values.value("polygons", false) ? ResultKind::vectors : ResultKind::table;
+             return values.value("polygons", false) ? ResultKind::vectors : ResultKind::table;
            },
-       .example = {
-  .files = { "west.tif", "east.tif" }}},
+       .example = {.files = {"west.tif", "east.tif"}}},
       run);
-for (const std::string& word : formats_of(ResultKind::vectors)) made.output_formats.push_back(word);
-return made;
+  for (const std::string& word : formats_of(ResultKind::vectors)) made.output_formats.push_back(word);
+  return made;
 }
 
 }  // namespace terrane
