@@ -92,6 +92,8 @@ int judge(const Response& r, const std::vector<std::string>& inputs, Explain exp
   std::vector<Json> tins;
   for (const std::string& bytes : inputs) tins.push_back(Json::parse(bytes));
   std::mt19937 random(7);
+  // A face of a tile that was pasted may lie on several of another's: only what decides is named for all of it.
+  const bool pasted = from["policy"] == "merge overlap=first" || from["policy"] == "merge overlap=last";
   int judged = 0;
   for (int i = 0; i < 1500; ++i) {
     const std::size_t f = random() % result["triangles"].size();
@@ -113,10 +115,10 @@ int judge(const Response& r, const std::vector<std::string>& inputs, Explain exp
       if (!named.is_null()) {
         heights[t] = height_inside(tins[t], named.get<std::size_t>(), x, y);
         if (!heights[t]) sure = false;  // within 1e-7 of an edge
-        if (found) {
+        if (found && (!pasted || from["decided"][f] == t)) {
           EXPECT_EQ(named, *found) << "input " << t << " at " << x << ", " << y;
         }
-      } else {
+      } else if (!pasted || from["decided"][f] == t) {
         EXPECT_FALSE(found) << "input " << t << " at " << x << ", " << y;
       }
     }
@@ -148,7 +150,7 @@ TEST(Provenance, OfMergesNamesTheTileWhoseHeightHolds) {
       for (const auto& height : z) sum += height.value_or(0) / 2;
       return sum;  // of two
     });
-    EXPECT_GT(judged, 1000) << overlap;
+    EXPECT_GT(judged, 900) << overlap;
   }
 }
 
