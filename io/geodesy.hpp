@@ -14,6 +14,10 @@
 // Coordinate reference systems: the only caller of PROJ/OSR and GeographicLib. x is always longitude or easting.
 namespace terrane {
 
+/// Does the text of a CRS name grid files, or hold PROJ strings that could? They would be opened when the text is read
+/// or coordinates are transformed.
+bool names_files(std::string_view text);
+
 /// A coordinate reference system as a value; default-constructed: none known. Cheap to copy.
 class Crs {
  public:

@@ -85,17 +85,6 @@ bool is_wkt(std::string_view text) {
   return word.size() < text.size() && std::find(words.begin(), words.end(), upper(word)) != words.end();
 }
 
-/// Names of grid files, and PROJ strings that could hold them, would be opened when coordinates are transformed.
-bool names_files(std::string_view text) {
-  std::string small = lower(text);
-  constexpr std::string_view harmless = "nadgrids=@null";  // how Web Mercator was once written
-  for (std::size_t at; (at = small.find(harmless)) != std::string::npos;) small.erase(at, harmless.size());
-  constexpr std::array words = {"grids=",   "init=",  "+file",       "file=",    "parameterfile",
-                                "+catalog", "+model", "proj4_grids", "pipeline", "proj-based"};
-  return std::any_of(words.begin(), words.end(),
-                     [&](const char* word) { return small.find(word) != std::string::npos; });
-}
-
 bool nested_too_deep(std::string_view text) {
   int depth = 0, deepest = 0;
   for (char c : text) {
@@ -116,6 +105,16 @@ bool import_text(OGRSpatialReference& srs, const std::string& text) {
 }
 
 }  // namespace
+
+bool names_files(std::string_view text) {
+  std::string small = lower(text);
+  constexpr std::string_view harmless = "nadgrids=@null";  // how Web Mercator was once written
+  for (std::size_t at; (at = small.find(harmless)) != std::string::npos;) small.erase(at, harmless.size());
+  constexpr std::array words = {"grids=",   "init=",  "+file",       "file=",    "parameterfile",
+                                "+catalog", "+model", "proj4_grids", "pipeline", "proj-based"};
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return small.find(word) != std::string::npos; });
+}
 
 Crs Crs::parse(std::string_view given) {
   const std::string_view text = trimmed(given);

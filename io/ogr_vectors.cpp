@@ -81,11 +81,28 @@ class Reader {
       bad("views",
           "it holds views, generated columns or virtual tables, which are not read; export its layers to a new "
           "GeoPackage");
+    const auto rows = sqlite_rows(bytes, "spatial_ref_sys");
+    if (!rows) bad("wrong-magic", "its table of coordinate reference systems is damaged; export it again");
+    for (const std::string& row : *rows) check_definition(row);
+  }
+
+  /// GDAL opens what a definition names as soon as it reads it.
+  void check_definition(std::string_view text) const {
+    if (names_files(text)) bad("bad-crs", "its coordinate reference system names grid files, which is not allowed");
+  }
+
+  static std::string start_of(const std::string& file) {
+    std::string text(100'000, '\0');
+    VSILFILE* opened = VSIFOpenL(file.c_str(), "rb");
+    if (!opened) return "";
+    text.resize(VSIFReadL(text.data(), 1, text.size(), opened));
+    VSIFCloseL(opened);
+    return text;
   }
 
   /// What it unpacks to is bounded before it is unpacked.
   void check_zip(const std::string& file) const {
-    const std::string folder = "/vsizip/" + file;
+    const std::string folder = "/vsizip/{" + file + "}";  // in braces: .shz is no name of an archive
     const std::unique_ptr<char*, void (*)(char**)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
     if (!entries) bad("wrong-magic", "the zip file cannot be read; it is damaged or cut off, send it again");
     double size = 0;
@@ -94,6 +111,7 @@ class Reader {
       VSIStatBufL facts;
       if (VSIStatL((folder + "/" + *entry).c_str(), &facts) == 0) size += static_cast<double>(facts.st_size);
       shape = shape || lower(*entry).ends_with(".shp");
+      if (lower(*entry).ends_with(".prj")) check_definition(start_of(folder + "/" + *entry));
     }
     if (!shape) bad("no-shapefile", "there is no .shp in the zip file");
     if (size > max_unzipped)

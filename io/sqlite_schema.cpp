@@ -24,9 +24,24 @@ class Database {
     if (encoding > 1) throw Damaged();
   }
 
-  std::vector<std::string> schema() {
-    read_page(1, 0);
-    return std::move(schema_);
+  struct Entry {
+    std::uint64_t root;
+    std::string sql;
+  };
+
+  /// What has SQL: some things SQLite makes by itself.
+  std::vector<Entry> schema() {
+    std::vector<Entry> entries;
+    for (const std::string& row : rows(1))
+      if (std::optional<Entry> entry = entry_of(row)) entries.push_back(*std::move(entry));
+    return entries;
+  }
+
+  /// Of the table whose first page this is.
+  std::vector<std::string> rows(std::uint64_t root) {
+    rows_.clear(), looked_at_ = 0;
+    read_page(root, 0);
+    return std::move(rows_);
   }
 
  private:
@@ -90,7 +105,7 @@ class Database {
       if (local.size() < here + 4) throw Damaged();
       add_overflow(record, static_cast<std::uint64_t>(local.data() + here - bytes_.data()), size);
     }
-    read_record(record);
+    rows_.push_back(std::move(record));
   }
 
   /// `at`: where the number of the next page stands.
@@ -103,25 +118,29 @@ class Database {
     }
   }
 
-  /// Its fifth value is the SQL, or null for what SQLite makes by itself.
-  void read_record(std::string_view record) {
+  /// Of a row of the schema the fourth value is the page, the fifth the SQL.
+  static std::optional<Entry> entry_of(std::string_view record) {
     constexpr std::uint64_t sizes[] = {0, 1, 2, 3, 4, 6, 8, 8, 0, 0};
     std::string_view types = record;
-    const std::uint64_t header = varint(types);
-    std::uint64_t at = header;
+    std::uint64_t at = varint(types), root = 0;
     for (int column = 0; column < 5; ++column) {
       const std::uint64_t type = varint(types);
       if (type == 10 || type == 11) throw Damaged();
       const std::uint64_t size = type < 10 ? sizes[type] : (type - 12) / 2;
       if (size > record.size() || at > record.size() - size) throw Damaged();
-      if (column == 4 && type != 0) schema_.emplace_back(record.substr(at, size));
+      const std::string_view value = record.substr(at, size);
+      if (column == 3 && type < 7)
+        for (const char c : value) root = root << 8 | static_cast<std::uint8_t>(c);
+      if (column == 3 && type == 9) root = 1;
+      if (column == 4 && type != 0) return Entry{root, std::string(value)};
       at += size;
     }
+    return {};
   }
 
   std::string_view bytes_;
   std::uint64_t page_size_ = 0, usable_ = 0, looked_at_ = 0;
-  std::vector<std::string> schema_;
+  std::vector<std::string> rows_;
 };
 
 /// The next word or mark of SQL in small letters; "" at the end. What is quoted comes as the quote alone.
@@ -172,7 +191,20 @@ class Tokens {
 }  // namespace
 
 std::optional<std::vector<std::string>> sqlite_schema(std::string_view bytes) try {
-  return Database(bytes).schema();
+  std::vector<std::string> schema;
+  for (Database::Entry& entry : Database(bytes).schema()) schema.push_back(std::move(entry.sql));
+  return schema;
+} catch (const Damaged&) {
+  return {};
+}
+
+std::optional<std::vector<std::string>> sqlite_rows(std::string_view bytes, std::string_view word) try {
+  Database database(bytes);
+  std::vector<std::string> rows;
+  for (const Database::Entry& entry : database.schema())
+    if (entry.root != 0 && lower(entry.sql).find(word) != std::string::npos)
+      for (std::string& row : database.rows(entry.root)) rows.push_back(std::move(row));
+  return rows;
 } catch (const Damaged&) {
   return {};
 }

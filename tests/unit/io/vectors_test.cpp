@@ -160,6 +160,46 @@ TEST(Vectors, AGeoPackageThatRunsAProgramWhenReadIsRefused) {
     EXPECT_TRUE(runs_when_read(sql)) << sql;
 }
 
+std::string from_hex(std::string_view text) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < text.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(std::string(text.substr(i, 2)), nullptr, 16));
+  return bytes;
+}
+
+// a.shp and a.shx with one triangle; the second also an a.prj that holds PROJ4_GRIDS.
+constexpr const char* zipped =
+    "504b030414000000080000002100a8851afc39000000dc00000005000000612e736870636050e762c00ef25e303330b04239"
+    "2b5ae41c8154c3a31301209a41a115c27f0ee513008c406c418c5920852c481a09d90be3c3e491d50300504b030414000000"
+    "0800000021003c650a34290000006c00000005000000612e736878636050e762c00ecc5e303330b042392b5ae41c8154c3a3"
+    "1301209a41a115c27f0ee5130046406c0100504b0102140314000000080000002100a8851afc39000000dc00000005000000"
+    "0000000000000000800100000000612e736870504b01021403140000000800000021003c650a34290000006c000000050000"
+    "00000000000000000080015c000000612e736878504b0506000000000200020066000000a80000000000";
+constexpr const char* zipped_with_grid =
+    "504b030414000000080000002100a8851afc39000000dc00000005000000612e736870636050e762c00ef25e303330b04239"
+    "2b5ae41c8154c3a31301209a41a115c27f0ee513008c406c418c5920852c481a09d90be3c3e491d50300504b030414000000"
+    "0800000021003c650a34290000006c00000005000000612e736878636050e762c00ecc5e303330b042392b5ae41c8154c3a3"
+    "1301209a41a115c27f0ee5130046406c0100504b0304140000000800000021001e8b419c220000002000000005000000612e"
+    "70726a738d0871f50bf6f4f78b560a08f2f73289770ff2740956d251aad04b2f4e528a0500504b0102140314000000080000"
+    "002100a8851afc39000000dc000000050000000000000000000000800100000000612e736870504b01021403140000000800"
+    "000021003c650a34290000006c00000005000000000000000000000080015c000000612e736878504b010214031400000008"
+    "00000021001e8b419c22000000200000000500000000000000000000008001a8000000612e70726a504b0506000000000300"
+    "030099000000ed0000000000";
+
+TEST(Vectors, AZippedShapefileIsRead) {
+  const std::vector<Polygon> polygons = read(from_hex(zipped)).polygons();
+  ASSERT_EQ(polygons.size(), 1u);
+  EXPECT_TRUE(same(polygons[0].outer, {{500010, 4400010, NAN}, {500040, 4400030, NAN}, {500040, 4400010, NAN}}));
+}
+
+TEST(Vectors, DefinitionsThatNameGridFilesAreRefusedBeforeTheyAreRead) {
+  EXPECT_NE(refusal(from_hex(zipped_with_grid)).find("grid files"), std::string::npos);
+  std::string gpkg = write_vectors(mixed(), "gpkg");
+  const std::string name = "ETRS89 / UTM zone 31N", grid = "proj4_GRIDS UTM zone ";
+  for (std::size_t at; (at = gpkg.find(name)) != std::string::npos;) gpkg.replace(at, name.size(), grid);
+  EXPECT_NE(refusal(gpkg).find("grid files"), std::string::npos);
+}
+
 TEST(Vectors, ACollectionKeepsItsPoints) {
   EXPECT_EQ(read(R"({"type":"GeometryCollection","geometries":[{"type":"Point","coordinates":[1,2]},
                      {"type":"MultiPoint","coordinates":[[3,4],[5,6]]}]})")
