@@ -76,7 +76,8 @@ class Reader {
   /// it reads tables that may be views.
   void refuse_programs(std::string_view bytes) const {
     const auto schema = sqlite_schema(bytes);
-    if (!schema) bad("wrong-magic", "it cannot be read as gpkg; it is damaged, cut off or not in UTF-8, export it again");
+    if (!schema)
+      bad("wrong-magic", "it cannot be read as gpkg; it is damaged, cut off or not in UTF-8, export it again");
     if (std::any_of(schema->begin(), schema->end(), runs_when_read))
       bad("views",
           "it holds views, generated columns or virtual tables, which are not read; export its layers to a new "

@@ -12,8 +12,8 @@ namespace terrane {
 /// keeps its text as UTF-16. Nothing of it is run: a database is asked this before SQLite sees it.
 std::optional<std::vector<std::string>> sqlite_schema(std::string_view bytes);
 
-/// The rows, as the bytes they are stored in, of the tables whose SQL holds a word in small letters; none where they are
-/// damaged.
+/// The rows, as the bytes they are stored in, of the tables whose SQL holds a word in small letters; none where they
+/// are damaged.
 std::optional<std::vector<std::string>> sqlite_rows(std::string_view bytes, std::string_view word);
 
 /// Does a statement of a schema make something that works when its rows are read: a view, a column that is generated, a

@@ -53,9 +53,9 @@ bool starts_with_word(std::string_view text, std::string_view word) {
 }
 
 bool is_wkt(std::string_view text) {
-  for (const char* word :
-       {"point", "multipoint", "linestring", "multilinestring", "polygon", "multipolygon", "geometrycollection",
-        "triangle", "tin", "polyhedralsurface", "curvepolygon", "multisurface", "compoundcurve", "circularstring", "multicurve"})
+  for (const char* word : {"point", "multipoint", "linestring", "multilinestring", "polygon", "multipolygon",
+                           "geometrycollection", "triangle", "tin", "polyhedralsurface", "curvepolygon", "multisurface",
+                           "compoundcurve", "circularstring", "multicurve"})
     if (starts_with_word(text, word)) {
       const std::string_view rest = trimmed(text.substr(std::string_view(word).size()));
       return rest.starts_with('(') || starts_with_word(rest, "z") || starts_with_word(rest, "m") ||

@@ -60,8 +60,9 @@ std::vector<double> terraces(const QuantizeParameters& p, const Surface& surface
   heights.erase(heights.begin(), above == heights.begin() ? above : above - 1);
   while (!heights.empty() && std::isinf(heights.back())) heights.pop_back();  // no vertex is that high
   if (heights.empty() || std::isinf(heights.front()))
-    throw Error(ErrorKind::input, "too-high",
-                "a terrace of '" + surface.name + "' would lie lower than numbers reach; use a smaller interval or base");
+    throw Error(
+        ErrorKind::input, "too-high",
+        "a terrace of '" + surface.name + "' would lie lower than numbers reach; use a smaller interval or base");
   return heights;
 }
 

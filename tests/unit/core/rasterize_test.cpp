@@ -188,6 +188,12 @@ TEST(Rasterize, TheSameBytesForAnyThreadsAndAnyOrder) {
   }
 }
 
+TEST(Rasterize, RefusesCellsThatNumbersCannotHold) {
+  const Tin tin{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  EXPECT_THROW(rasterized(tin, lattice(10, 1, -1e308, 1e308, INFINITY, INFINITY)), Error);
+  EXPECT_THROW(rasterized(tin, lattice(1, 5, 1e16, 0, 0.5, 0.5)), Error);
+}
+
 TEST(Rasterize, NothingOfNothing) {
   EXPECT_EQ(rasterized({}, lattice(3, 2, 0, 0, 1, 1)).samples.size(), 6u);
   EXPECT_TRUE(std::isnan(rasterized({}, lattice(3, 2, 0, 0, 1, 1)).at(2, 1)));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/vectors.hpp"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "core/error.hpp"
 #include "io/sqlite_schema.hpp"
@@ -135,7 +135,8 @@ TEST(Vectors, WhatIsBrokenIsRefusedWithItsPlace) {
 
 TEST(Vectors, AGeoPackageThatRunsAProgramWhenReadIsRefused) {
   const std::string plain = "CREATE TABLE gpkg_contents";
-  for (const char* changed : {"CREATE VIEW  gpkg_contents", "create\tview  gpkg_contents", "CREATE/**/VIEW_gpkg_conten"}) {
+  for (const char* changed :
+       {"CREATE VIEW  gpkg_contents", "create\tview  gpkg_contents", "CREATE/**/VIEW_gpkg_conten"}) {
     std::string gpkg = write_vectors(mixed(), "gpkg");
     const std::size_t at = gpkg.find(plain);
     ASSERT_NE(at, std::string::npos);
@@ -146,17 +147,18 @@ TEST(Vectors, AGeoPackageThatRunsAProgramWhenReadIsRefused) {
   utf16[59] = 2;  // the encoding; words are spelled otherwise then
   EXPECT_NE(refusal(utf16).find("UTF-8"), std::string::npos);
   std::string loop = write_vectors(mixed(), "gpkg");
-  ASSERT_EQ(loop[100], 5);                   // page 1 has pages below it
+  ASSERT_EQ(loop[100], 5);                           // page 1 has pages below it
   loop.replace(108, 4, std::string("\0\0\0\1", 4));  // the last of them is itself
   EXPECT_NE(refusal(loop), "");
 
   EXPECT_FALSE(runs_when_read("CREATE TABLE \"as (\" (id INTEGER, b TEXT CHECK (CAST(b AS TEXT) <> ' AS ('))"));
   EXPECT_FALSE(runs_when_read("CREATE VIRTUAL TABLE \"rtree_v_geom\" USING rtree(id, minx, maxx, miny, maxy)"));
   EXPECT_FALSE(runs_when_read("CREATE TRIGGER t AFTER INSERT ON v BEGIN SELECT 1; END"));
-  for (const char* sql : {"CREATE TEMP VIEW v AS SELECT 1", "CREATE TABLE t (a, b AS (a))", "CREATE TABLE t (b as/**/(1))",
-                          "CREATE TABLE t (b INT\xEF\xBB\xBFGENERATED ALWAYS AS (1))", "CREATE\xEF\xBB\xBFVIEW v AS SELECT 1",
-                          "CREATE -- TABLE\n VIEW v AS SELECT 1", "CREATE VIRTUAL TABLE v USING VirtualOGR('/etc')",
-                          "CREATE VIRTUAL TABLE v USING \"rtree\"(a)", "", "create"})
+  for (const char* sql :
+       {"CREATE TEMP VIEW v AS SELECT 1", "CREATE TABLE t (a, b AS (a))", "CREATE TABLE t (b as/**/(1))",
+        "CREATE TABLE t (b INT\xEF\xBB\xBFGENERATED ALWAYS AS (1))", "CREATE\xEF\xBB\xBFVIEW v AS SELECT 1",
+        "CREATE -- TABLE\n VIEW v AS SELECT 1", "CREATE VIRTUAL TABLE v USING VirtualOGR('/etc')",
+        "CREATE VIRTUAL TABLE v USING \"rtree\"(a)", "", "create"})
     EXPECT_TRUE(runs_when_read(sql)) << sql;
 }
 
