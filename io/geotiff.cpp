@@ -27,6 +27,7 @@ class TiffReader {
       : bytes_(bytes), options_(options), context_(context), file_(bytes, ".tif") {}
 
   Dataset read() {
+    refuse_named_files();
     const char* drivers[] = {"GTiff", nullptr};
     const char* open_options[] = {"GEOREF_SOURCES=INTERNAL", "NUM_THREADS=1", nullptr};
     const char* siblings[] = {nullptr};
@@ -57,6 +58,7 @@ class TiffReader {
     bad_input(options_, std::move(code), "", what);
   }
 
+  void refuse_named_files() const;
   void check_size();
   void place(Raster& raster);
   void read_samples(Raster& raster);
@@ -75,6 +77,15 @@ class TiffReader {
   GDALRasterBand* band_ = nullptr;
   bool flip_rows_ = false, flip_columns_ = false;
 };
+
+/// A citation may be a whole definition of a CRS, which GDAL reads before anyone is asked.
+void TiffReader::refuse_named_files() const {
+  constexpr std::string_view mark = "ESRI PE String";
+  constexpr std::size_t longest = 1 << 16;
+  for (std::size_t at = bytes_.find(mark); at != std::string_view::npos; at = bytes_.find(mark, at + mark.size()))
+    if (names_files(bytes_.substr(at, longest)))
+      bad("bad-crs", "its coordinate reference system names grid files, which is not allowed");
+}
 
 void TiffReader::check_size() {
   if (dataset_->GetRasterCount() < 1) bad("no-band", "the TIFF holds no image");

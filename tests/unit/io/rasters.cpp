@@ -231,5 +231,17 @@ TEST(Formats, AreFoundByNameTypeAndContent) {
     EXPECT_EQ(format_of_bytes(text), nullptr) << text;
 }
 
+TEST(GeoTiff, ADefinitionThatNamesFilesIsRefusedBeforeItIsRead) {
+  const std::string wkt =
+      "ESRI PE String = PROJCS[\"x\",GEOGCS[\"x\",DATUM[\"x\",SPHEROID[\"x\",6378137,298]],PRIMEM[\"x\",0],"
+      "UNIT[\"d\",0.0174]],PROJECTION[\"Transverse_Mercator\"],UNIT[\"m\",1],"
+      "EXTENSION[\"PROJ4_GRIDS\",\"/etc/passwd\"]]|";
+  const auto length = static_cast<std::uint16_t>(wkt.size());
+  const std::string bytes = tiff(
+      2, 2, {1, 2, 3, 4},
+      {{34735, shorts({1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 32767, 3073, 34737, length, 0})}, {34737, text(wkt)}});
+  EXPECT_EQ(complaint("tif", bytes).code, "bad-crs");
+}
+
 }  // namespace
 }  // namespace terrane
