@@ -147,6 +147,9 @@ class Reader {
     try {
       crs = Crs::parse(text ? text : "");
     } catch (const Error&) {
+      context_.warn({"bad-crs", name_, "",
+                     "the coordinate reference system that " + name_ + " declares is not understood",
+                     "say which one it is in with the parameter's -crs"});
       return;
     }
     if (vectors.crs.known() && !vectors.crs.same_plan(crs))

@@ -134,7 +134,8 @@ Vectors (regions, lines, points) are a file that the command line names or that 
 GeoPackage, a zipped Shapefile, DXF; or they are written out, as WKT or as coordinates `x,y;x,y`. GeoJSON is longitude
 and
 latitude unless it carries a `crs` member; of other files the CRS they declare counts, and of what declares none that of
-the result, unless a parameter such as `region-crs` says it.
+the result, unless a parameter such as `region-crs` says it. Their corners are transformed; the lines between them are
+straight in the CRS of the result.
 
 The examples send files to a service that runs here (`terrane serve`): `west.tif` and `east.tif` are DEMs that overlap,
 `a.obj` and `b.obj` surfaces that are level at 0 and 255 with walls between, as `threshold` makes them.
