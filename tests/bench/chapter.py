@@ -103,9 +103,11 @@ def regions():
     entry("rectangular region of interest", points, out, taken, "7,492 points: 0.17 s", f"{box * 1000:.0f} ms")
     ring = "500060 4500080,500300 4500030,500470 4500260,500330 4500480,500200 4500300,500050 4500400,500060 4500080"
     out, taken = ran("clip", "fine.ply", "--region", f"POLYGON(({ring}))", "part.ply")
-    with open("ring.csv", "w", encoding="ascii") as region:
-        print(f'WKT\n"POLYGON(({ring}))"', file=region)
-    part = timed("gdalwarp", "-q", "-overwrite", "-cutline", "ring.csv", "-dstnodata", "-9999", "a.tif", "part.tif")
+    corners = [[float(v) for v in corner.split()] for corner in ring.split(",")]
+    with open("ring.geojson", "w", encoding="ascii") as region:
+        json.dump({"type": "Polygon", "coordinates": [corners],
+                   "crs": {"type": "name", "properties": {"name": "EPSG:32619"}}}, region)
+    part = timed("gdalwarp", "-q", "-overwrite", "-cutline", "ring.geojson", "-dstnodata", "-9999", "a.tif", "part.tif")
     entry("polygonal region of interest", points, out, taken, "7,492 points: 0.78 s", f"{part * 1000:.0f} ms")
 
 
