@@ -7,61 +7,39 @@
 #include <utility>
 
 #include "core/predicates.hpp"
-#include "core/rounding.hpp"
 
 namespace terrane {
 namespace {
 
 class Tracer {
  public:
-  explicit Tracer(const ZonedMesh& mesh) : mesh_(mesh) {
-    PlanarMesh planar{mesh.points, mesh.faces, {}, {}};
-    connect(planar);
-    neighbours_ = std::move(planar.neighbours);
-    find_pieces();
+  explicit Tracer(const ZonedMesh& mesh) : mesh_(mesh), pieces_(pieces_of(mesh)) {
     seen_.assign(3 * mesh.faces.size(), 0);
     at_.assign(mesh.points.size(), none);
   }
 
   std::vector<std::vector<Polygon>> run() {
-    std::vector<Polygon> pieces(zone_of_piece_.size());
+    std::vector<Polygon> pieces(pieces_.zone_of_piece.size());
     for (Index f = 0; f < static_cast<Index>(mesh_.faces.size()); ++f)
       for (int k = 0; k < 3; ++k)
-        if (is_border(f, k) && !seen_[3 * static_cast<std::size_t>(f) + k]) trace(f, k, pieces[piece_[f]]);
+        if (is_border(f, k) && !seen_[3 * static_cast<std::size_t>(f) + k])
+          trace(f, k, pieces[pieces_.piece_of_face[f]]);
     Index zones = 0;
-    for (const Index zone : zone_of_piece_) zones = std::max(zones, zone + 1);
+    for (const Index zone : pieces_.zone_of_piece) zones = std::max(zones, zone + 1);
     std::vector<std::vector<Polygon>> result(zones);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       std::sort(pieces[i].holes.begin(), pieces[i].holes.end(), [](const Line& a, const Line& b) {
         return std::pair(a.front().x, a.front().y) < std::pair(b.front().x, b.front().y);
       });
-      result[zone_of_piece_[i]].push_back(std::move(pieces[i]));
+      result[pieces_.zone_of_piece[i]].push_back(std::move(pieces[i]));
     }
     return result;
   }
 
  private:
-  void find_pieces() {
-    piece_.assign(mesh_.faces.size(), none);
-    std::vector<Index> stack;
-    for (Index seed = 0; seed < static_cast<Index>(mesh_.faces.size()); ++seed) {
-      if (piece_[seed] != none) continue;
-      const auto piece = static_cast<Index>(zone_of_piece_.size());
-      zone_of_piece_.push_back(mesh_.zone[seed]);
-      piece_[seed] = piece;
-      stack.push_back(seed);
-      while (!stack.empty()) {
-        const Index f = stack.back();
-        stack.pop_back();
-        for (const Index g : neighbours_[f])
-          if (g != none && piece_[g] == none && mesh_.zone[g] == mesh_.zone[f]) piece_[g] = piece, stack.push_back(g);
-      }
-    }
-  }
-
   /// The edge opposite corner k.
   bool is_border(Index f, int k) const {
-    const Index g = neighbours_[f][k];
+    const Index g = pieces_.neighbours[f][k];
     return g == none || mesh_.zone[g] != mesh_.zone[f];
   }
 
@@ -78,7 +56,7 @@ class Tracer {
       // The next border edge begins at `to`: of the faces around it, through the piece.
       int edge = (k + 1) % 3;
       while (!is_border(f, edge)) {
-        f = neighbours_[f][edge];
+        f = pieces_.neighbours[f][edge];
         int corner = 0;
         while (mesh_.faces[f][corner] != to) ++corner;
         edge = (corner + 2) % 3;
@@ -109,8 +87,7 @@ class Tracer {
   }
 
   const ZonedMesh& mesh_;
-  Array<Face> neighbours_;
-  std::vector<Index> piece_, zone_of_piece_;
+  ZonePieces pieces_;
   std::vector<std::uint8_t> seen_;  // per half-edge 3 * face + corner opposite
   std::vector<Index> at_;           // per point: where the path passes it
 };

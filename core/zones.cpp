@@ -22,23 +22,19 @@ namespace {
 /// The border edges of all zones, and which of their points are needed.
 class Borders {
  public:
-  Borders(const ZonedMesh& mesh, double tolerance) : mesh_(mesh), tolerance_(tolerance) {
-    PlanarMesh planar{mesh.points, mesh.faces, {}, {}};
-    connect(planar);
-    neighbours_ = std::move(planar.neighbours);
-    find_pieces();
+  Borders(const ZonedMesh& mesh, double tolerance) : mesh_(mesh), tolerance_(tolerance), pieces_(pieces_of(mesh)) {
     note_beside();
     mark_needed();
   }
 
   /// Connected pieces of zones.
-  const std::vector<Index>& zone_of_piece() const { return zone_of_piece_; }
+  const std::vector<Index>& zone_of_piece() const { return pieces_.zone_of_piece; }
 
   /// Every border edge, from one needed point to the next, the piece on its left as its tag.
   std::vector<BorderEdge> edges() const {
     std::vector<BorderEdge> edges;
     for_each_half_edge([&](Index f, Index, Index from, Index to, bool) {
-      if (needed_[from]) edges.push_back({from, walk(from, to, [](Index) {}), piece_[f]});
+      if (needed_[from]) edges.push_back({from, walk(from, to, [](Index) {}), pieces_.piece_of_face[f]});
     });
     return edges;
   }
@@ -56,30 +52,12 @@ class Borders {
   bool bent() const { return bent_; }
 
  private:
-  void find_pieces() {
-    piece_.assign(mesh_.faces.size(), none);
-    std::vector<Index> stack;
-    for (Index seed = 0; seed < static_cast<Index>(mesh_.faces.size()); ++seed) {
-      if (piece_[seed] != none) continue;
-      const auto piece = static_cast<Index>(zone_of_piece_.size());
-      zone_of_piece_.push_back(mesh_.zone[seed]);
-      piece_[seed] = piece;
-      stack.push_back(seed);
-      while (!stack.empty()) {
-        const Index f = stack.back();
-        stack.pop_back();
-        for (const Index g : neighbours_[f])
-          if (g != none && piece_[g] == none && mesh_.zone[g] == mesh_.zone[f]) piece_[g] = piece, stack.push_back(g);
-      }
-    }
-  }
-
   /// Visits the half-edges on borders: the face, the face across, the ends, and whether it is the first of its edge.
   template <class Visit>
   void for_each_half_edge(Visit visit) const {
     for (Index f = 0; f < static_cast<Index>(mesh_.faces.size()); ++f)
       for (int k = 0; k < 3; ++k) {
-        const Index g = neighbours_[f][k];
+        const Index g = pieces_.neighbours[f][k];
         if (g == none || mesh_.zone[g] != mesh_.zone[f])
           visit(f, g, mesh_.faces[f][(k + 1) % 3], mesh_.faces[f][(k + 2) % 3], g == none || f < g);
       }
@@ -159,8 +137,7 @@ class Borders {
 
   const ZonedMesh& mesh_;
   double tolerance_;
-  Array<Face> neighbours_;
-  std::vector<Index> piece_, zone_of_piece_;
+  ZonePieces pieces_;
   std::vector<std::array<Index, 2>> beside_;  // where two border edges meet, their other ends
   std::vector<std::uint8_t> needed_;
   bool bent_ = false;
@@ -256,6 +233,31 @@ std::vector<std::uint8_t> crossings(const Array<Point2>& points, const ZonedMesh
 }
 
 }  // namespace
+
+ZonePieces pieces_of(const ZonedMesh& mesh) {
+  PlanarMesh planar{mesh.points, mesh.faces, {}, {}};
+  connect(planar);
+  ZonePieces pieces{std::move(planar.neighbours), {}, {}};
+  pieces.piece_of_face.assign(mesh.faces.size(), none);
+  std::vector<Index> stack;
+  for (Index seed = 0; seed < static_cast<Index>(mesh.faces.size()); ++seed) {
+    if (pieces.piece_of_face[seed] != none) continue;
+    const auto piece = static_cast<Index>(pieces.zone_of_piece.size());
+    pieces.zone_of_piece.push_back(mesh.zone[seed]);
+    pieces.piece_of_face[seed] = piece;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const Index f = stack.back();
+      stack.pop_back();
+      for (const Index g : pieces.neighbours[f]) {
+        if (g == none || pieces.piece_of_face[g] != none || mesh.zone[g] != mesh.zone[f]) continue;
+        pieces.piece_of_face[g] = piece;
+        stack.push_back(g);
+      }
+    }
+  }
+  return pieces;
+}
 
 ZonedMesh dissolve(const ZonedMesh& mesh, double tolerance, Context& context) {
   context.progress("dissolve", 0);

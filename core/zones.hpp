@@ -23,6 +23,14 @@ struct ZonedMesh {
   std::vector<std::uint8_t> constructed = {};
 };
 
+/// Faces of one zone that hang together are a piece of it.
+struct ZonePieces {
+  Array<Face> neighbours;  // of each face, across the edge opposite each corner; none on the border
+  std::vector<Index> piece_of_face;
+  std::vector<Index> zone_of_piece;
+};
+ZonePieces pieces_of(const ZonedMesh& mesh);
+
 /// The same zones with no more points than their borders need, each zone triangulated anew (constrained Delaunay).
 /// Borders keep their places: a point goes only where exactly two border edges meet in it, and they are collinear, or
 /// the point was constructed and lies within `tolerance` of the line between the points that stay. Where leaving out
