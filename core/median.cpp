@@ -169,11 +169,19 @@ class Round {
   std::vector<Index> last_landing_, landing_before_;
 };
 
+/// Of layers that lie over one place, two and two cross along one line at most; rounding may ask for some more rounds.
+int most_rounds(const Layered& layered) {
+  std::size_t most = 0;
+  for (std::size_t f = 0; f < layered.faces.size(); ++f) most = std::max(most, layered.of(f).size());
+  return static_cast<int>(std::min<std::size_t>(256, 16 + most * most));
+}
+
 Layered settled(Layered layered, RoundingReport& report, Context& context) {
   // Rounds are as many as lines cross one face. Surfaces that are equal but for rounding cross wherever it pleases: what
   // is left of such crossings is passed over by and by, up to what is welded anyway.
   double tolerance = 1e-12;
-  for (int round = 0; round < 256; ++round) {
+  const int most = most_rounds(layered);
+  for (int round = 0; round < most; ++round) {
     context.progress("median", 1 - 1.0 / (1 + round));
     Round cuts(std::move(layered), tolerance);
     if (round >= 4) tolerance = std::min(1e-9, 4 * tolerance);

@@ -163,9 +163,9 @@ class Reader {
 void put(std::string& out, const Point& p) {
   char buffer[3 * number_size + 8];
   char* to = put_text(buffer, "[");
-  to = put_text(put_number(to, p.x), ",");
-  to = put_number(to, p.y);
-  if (!std::isnan(p.z)) to = put_number(put_text(to, ","), p.z);
+  to = put_text(put_number(to, p.x + 0.0), ",");
+  to = put_number(to, p.y + 0.0);
+  if (!std::isnan(p.z)) to = put_number(put_text(to, ","), p.z + 0.0);
   out.append(buffer, put_text(to, "]"));
 }
 
