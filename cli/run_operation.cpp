@@ -46,8 +46,8 @@ std::vector<InputPart> assign_inputs(const Operation& operation, const std::vect
     while (slot != operation.inputs.end() && used_up(*slot)) ++slot;
     if (slot == operation.inputs.end())
       throw Error(ErrorKind::usage, "surplus-input",
-                  "'" + operation.id + "' takes no input " +
-                      (parts.empty() ? "" : "after '" + parts.back().name + "'") + ", but '" + word + "' follows");
+                  "'" + operation.id + "' takes no input" +
+                      (parts.empty() ? "" : " after '" + parts.back().name + "'") + ", but '" + word + "' follows");
     parts.push_back({slot->name, word, "", ""});
   }
   parts.insert(parts.end(), named.begin(), named.end());

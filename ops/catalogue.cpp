@@ -68,7 +68,8 @@ std::vector<Parameter> common_parameters_of(const Operation& operation) {
   std::vector<Parameter> list;
   const bool surface = can_return_surface(operation);
   for (const Parameter& common : common_parameters())
-    if ((surface || common.name != "provenance") && std::none_of(operation.parameters.begin(), operation.parameters.end(),
+    if ((surface || common.name != "provenance") &&
+        std::none_of(operation.parameters.begin(), operation.parameters.end(),
                      [&](const Parameter& own) { return own.name == common.name; }))
       list.push_back(common);
   return list;

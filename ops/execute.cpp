@@ -189,7 +189,6 @@ std::string encoded(const Outcome& outcome, const nlohmann::json& report, const 
   if (word == "csv") return outcome.csv;
   if (word == "png") return write_png(outcome.picture());
   if (word == "json") return report.dump(2) + "\n";
-  if (!outcome.features) return write_vectors(outcome.vectors, word);
   Vectors made = outcome.features();
   made.crs = crs;
   return write_vectors(made, word);
@@ -240,8 +239,8 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
-  Outcome outcome = plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context), frame.crs},
-                                       context);
+  Outcome outcome =
+      plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context), frame.crs}, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);
@@ -275,8 +274,7 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
     } else {
       response.report.update(outcome.certificate);
     }
-    for (Vectors* vectors : {std::get_if<Vectors>(&outcome.result), &outcome.vectors})
-      if (vectors) vectors->crs = frame.crs;
+    if (Vectors* vectors = std::get_if<Vectors>(&outcome.result)) vectors->crs = frame.crs;
     context.progress("write", 0);
     response.body = encoded(outcome, response.report, plan.output_format, frame.crs, context);
   }

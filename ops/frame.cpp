@@ -226,10 +226,6 @@ double bring_all(std::vector<Surface>& surfaces, const Crs& crs, const Plan& pla
   return std::accumulate(errors.begin(), errors.end(), 0.0, [](double a, double b) { return std::max(a, b); });
 }
 
-}  // namespace
-
-namespace {
-
 /// Lattices are no surfaces: they stand aside while these are brought together.
 std::vector<Surface> take_lattices(std::vector<Surface>& surfaces, const Operation& operation) {
   const auto first = std::stable_partition(surfaces.begin(), surfaces.end(),

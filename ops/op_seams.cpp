@@ -23,7 +23,7 @@ Outcome run(std::vector<Surface>& inputs, const MergeParameters& p, Context& con
   report["units"] = {{"length", units.length}, {"height", units.height}};
   Outcome outcome;
   outcome.result = std::move(report);
-  outcome.vectors = seam_lines(merged, tiles.names, crs);
+  outcome.features = [lines = seam_lines(merged, tiles.names, crs)] { return lines; };
   return outcome;
 }
 

@@ -40,8 +40,7 @@ struct Outcome {
   std::variant<Tin, Raster, Picture, Vectors, nlohmann::json> result;
   // What a report can be besides, where the operation has it.
   std::string csv;
-  Vectors vectors;
-  std::function<Vectors()> features;  // made when they are asked for; else `vectors`
+  std::function<Vectors()> features;
   std::function<Picture()> picture;
   std::optional<RoundingReport> rounding;
   HeightFold expected_height;  // null: nothing to check heights against
