@@ -5,22 +5,25 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "core/corner_heights.hpp"
 #include "core/edge_cuts.hpp"
 #include "core/error.hpp"
 #include "core/layers.hpp"
+#include "core/mended_heights.hpp"
 
 namespace terrane {
 namespace {
 
-/// The layers in the middle, one twice when their number is odd: by the height of the face's centroid.
-std::array<std::size_t, 2> middle(std::span<const Layer> layers) {
+/// The layers in the middle, one twice when their number is odd, in the order of `height(layer)`.
+template <typename Height>
+std::array<std::size_t, 2> middle(std::span<const Layer> layers, const Height& height) {
   if (layers.size() <= 2) return {0, layers.size() - 1};
   std::vector<std::size_t> order(layers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto height = [&](std::size_t l) { return layers[l].z[0] + layers[l].z[1] + layers[l].z[2]; };
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return height(a) < height(b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return height(layers[a]) < height(layers[b]); });
   return {order[(order.size() - 1) / 2], order[order.size() / 2]};
 }
 
@@ -40,14 +43,52 @@ bool cross(const Layer& a, const Layer& b, double tolerance) {
   return above && below;
 }
 
+/// The width of a convex polygon of at most four corners.
+double width(std::span<const Point2> polygon) {
+  double least = INFINITY;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point2 p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+    const double x = q.x - p.x, y = q.y - p.y, length = std::hypot(x, y);
+    if (length == 0) continue;
+    double farthest = 0;
+    for (const Point2 r : polygon) farthest = std::max(farthest, std::fabs(x * (r.y - p.y) - y * (r.x - p.x)) / length);
+    least = std::min(least, farthest);
+  }
+  return least;
+}
+
+/// Is one of the parts of a face where two layers have one order no wider than rounding? A cut would be rounded to the
+/// border of that part, and settle nothing.
+bool cross_within_rounding(const Layered& layered, Index f, const Layer& a, const Layer& b) {
+  const Face& face = layered.faces[f];
+  std::vector<Point2> above, below;
+  double bound = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Point2 p = layered.points[face[k]], q = layered.points[face[(k + 1) % 3]];
+    const double dp = a.z[k] - b.z[k], dq = a.z[(k + 1) % 3] - b.z[(k + 1) % 3];
+    if (dp >= 0) above.push_back(p);
+    if (dp <= 0) below.push_back(p);
+    if (!((dp < 0 && dq > 0) || (dp > 0 && dq < 0))) continue;
+    const ExactPlace zero{.kind = ExactPlace::ratio, .p = p, .q = q, .dp = dp, .dq = dq};
+    bound = std::max(bound, rounding_bound(zero));
+    const double t = dp / (dp - dq);
+    above.push_back({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
+    below.push_back(above.back());
+  }
+  return std::min(width(above), width(below)) <= 3 * bound;
+}
+
 /// When every other layer lies on one side of those in the middle, they stay there all over the face.
-Crossing unsettled(std::span<const Layer> layers, double tolerance) {
+Crossing unsettled(const Layered& layered, Index f, double tolerance, bool pass_narrow) {
+  const auto layers = layered.of(f);
   if (layers.size() < 3) return {};
-  const auto [m, n] = middle(layers);
+  const auto [m, n] = middle(layers, [](const Layer& layer) { return layer.z[0] + layer.z[1] + layer.z[2]; });
   for (std::size_t j = 0; j < layers.size(); ++j) {
     if (j == m || j == n) continue;
     for (const std::size_t inner : {m, n})
-      if (cross(layers[inner], layers[j], tolerance)) return {inner, j, true};
+      if (cross(layers[inner], layers[j], tolerance) &&
+          !(pass_narrow && cross_within_rounding(layered, f, layers[inner], layers[j])))
+        return {inner, j, true};
   }
   return {};
 }
@@ -55,10 +96,11 @@ Crossing unsettled(std::span<const Layer> layers, double tolerance) {
 /// One round of cuts: every unsettled face along one line.
 class Round {
  public:
-  Round(Layered before, double tolerance) : before_(std::move(before)), crossings_(before_.faces.size()) {
-    for (std::size_t f = 0; f < before_.faces.size(); ++f) {
-      crossings_[f] = unsettled(before_.of(f), tolerance);
-      if (crossings_[f].found) ask(static_cast<Index>(f));
+  Round(Layered before, double tolerance, bool pass_narrow)
+      : before_(std::move(before)), crossings_(before_.faces.size()) {
+    for (Index f = 0; f < static_cast<Index>(before_.faces.size()); ++f) {
+      crossings_[f] = unsettled(before_, f, tolerance, pass_narrow);
+      if (crossings_[f].found) ask(f);
     }
   }
 
@@ -79,6 +121,7 @@ class Round {
     }
     after.points = std::move(cut_.mesh.points);
     after.faces = std::move(cut_.mesh.faces);
+    mend(after);
     return after;
   }
 
@@ -118,10 +161,62 @@ class Round {
       after.layers.push_back(layer);
     }
     const std::span<Layer> layers{&after.layers[begin], after.layers.size() - begin};
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < 3; ++k) {
+      if (!is_on(cut_, before_.faces[label], corners[k])) continue;
       for (Index i = last_landing_[corners[k]]; i != none; i = landing_before_[i])
         for (const Index owner : cut_.made[i].owners)
           if (owner != none) equate(cut_.made[i], owner, label, k, layers);
+    }
+  }
+
+  /// The height of a tile at a place.
+  struct Known {
+    Index place;
+    int tile;
+    double z;
+    bool operator<(const Known& other) const { return std::tie(place, tile, z) < std::tie(other.place, other.tile, other.z); }
+  };
+
+  /// Faces that rounding brought to a vertex take the heights there of those that had it: theirs are read off planes past
+  /// their ends.
+  void mend(Layered& after) const {
+    std::vector<std::uint8_t> has_strangers(after.points.size(), 0);
+    const auto each_corner = [&](const auto& visit) {
+      for (std::size_t f = 0; f < after.faces.size(); ++f)
+        for (int k = 0; k < 3; ++k)
+          visit(f, k, !is_on(cut_, before_.faces[cut_.mesh.labels[f]], after.faces[f][k]));
+    };
+    each_corner([&](std::size_t f, int k, bool strange) { has_strangers[after.faces[f][k]] |= strange; });
+    std::vector<Known> known;
+    each_corner([&](std::size_t f, int k, bool strange) {
+      if (!strange && has_strangers[after.faces[f][k]])
+        for (const Layer& layer : after.of(f)) known.push_back({after.faces[f][k], layer.tile, layer.z[k]});
+    });
+    std::sort(known.begin(), known.end());
+    each_corner([&](std::size_t f, int k, bool strange) {
+      if (!strange) return;
+      for (Layer& layer : after.of(f)) {
+        const Known own{after.faces[f][k], layer.tile, layer.z[k]};
+        const auto same = [&](auto it) { return it->place == own.place && it->tile == own.tile; };
+        const auto next = std::lower_bound(known.begin(), known.end(), own);
+        double nearest = INFINITY;
+        if (next != known.end() && same(next)) nearest = next->z;
+        if (next != known.begin() && same(std::prev(next)) &&
+            std::fabs(std::prev(next)->z - own.z) < std::fabs(nearest - own.z))
+          nearest = std::prev(next)->z;
+        if (nearest != INFINITY && error_of(f, layer).covers(own.z, nearest)) layer.z[k] = nearest;
+      }
+    });
+  }
+
+  HeightError error_of(std::size_t f, const Layer& layer) const {
+    const Index label = cut_.mesh.labels[f];
+    const Face& face = before_.faces[label];
+    for (const Layer& old : before_.of(label))
+      if (old.tile == layer.tile)
+        return height_error({before_.points[face[0]], before_.points[face[1]], before_.points[face[2]]},
+                            {old.z[0], old.z[1], old.z[2]}, cut_.rounded.report.max_move);
+    return {0, 0, 0};
   }
 
   /// Both heights at a vertex made where they cross are one double there, on every face along whose edge they cross.
@@ -183,7 +278,7 @@ Layered settled(Layered layered, RoundingReport& report, Context& context) {
   const int most = most_rounds(layered);
   for (int round = 0; round < most; ++round) {
     context.progress("median", 1 - 1.0 / (1 + round));
-    Round cuts(std::move(layered), tolerance);
+    Round cuts(std::move(layered), tolerance, round > 7);
     if (round >= 4) tolerance = std::min(1e-9, 4 * tolerance);
     const bool done = cuts.settled();
     layered = cuts.run(report, context);
@@ -202,8 +297,10 @@ Piece median_surface(const std::vector<Tin>& tiles, const std::vector<int>& orde
   Piece piece;
   for (std::size_t f = 0; f < layered.faces.size(); ++f) {
     const auto layers = layered.of(f);
-    const auto [m, n] = middle(layers);
     for (int k = 0; k < 3; ++k) {
+      // At every corner anew: on a face passed over the order may differ from corner to corner, and the surface stays
+      // in one piece, since at a vertex the same heights are there for all its faces.
+      const auto [m, n] = middle(layers, [k](const Layer& layer) { return layer.z[k]; });
       const double low = layers[m].z[k], high = layers[n].z[k];
       piece.surface.z.push_back(low + (high - low) / 2);
       piece.surface.firm.push_back(m == n && layers[m].firm[k]);
