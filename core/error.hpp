@@ -17,6 +17,7 @@ enum class ErrorKind {
   limit,            // larger than the configured limits
   busy,             // nothing free to work on it; later it may be
   cancelled,        // the client asked to stop
+  storage_full,     // no room left to keep a request or its result
   output,           // the result cannot be stored where it was asked to go
   internal          // our fault
 };

@@ -21,6 +21,7 @@ constexpr Row table[] = {
     {ErrorKind::limit, 413, 4, "Larger than the limits"},
     {ErrorKind::busy, 503, 4, "Busy"},
     {ErrorKind::cancelled, 499, 4, "Cancelled"},
+    {ErrorKind::storage_full, 507, 4, "The storage is full"},
     {ErrorKind::output, 500, 2, "The result cannot be stored"},
     {ErrorKind::internal, 500, 5, "Internal error"},
 };

@@ -74,6 +74,7 @@ std::string_view status_title(int status) {
     case 431: return "Request Header Fields Too Large";
     case 499: return "Client Closed Request";
     case 503: return "Service Unavailable";
+    case 507: return "Insufficient Storage";
     default: return status < 500 ? "Bad Request" : "Internal Server Error";
   }
 }
@@ -101,6 +102,19 @@ Reply problem_reply(const std::exception& exception) {
   reply.media_type = "application/problem+json";
   reply.body = value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   return reply;
+}
+
+std::optional<std::uint64_t> Reply::size() const {
+  if (const auto* text = std::get_if<std::string>(&body)) return text->size();
+  if (const auto* file = std::get_if<FileBody>(&body)) return file->size;
+  return std::nullopt;
+}
+
+std::string header_value(const Call& call, std::string_view small_name) {
+  std::string all;
+  for (const auto& [name, value] : call.headers)
+    if (name == small_name) all += (all.empty() ? "" : ", ") + value;
+  return all;
 }
 
 std::optional<std::string> query_value(const Call& call, std::string_view name) {

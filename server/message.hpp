@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "server/open_file.hpp"
 
 // Requests and answers as plain values: what the rest of the room sees of HTTP. Only routes.cpp knows the library.
 namespace terrane {
@@ -23,16 +27,32 @@ struct Call {
   std::string method;  // "HEAD" arrives as "GET"
   std::string path;    // percent-decoded
   TextPairs query;     // percent-decoded, in the order of the names
+  TextPairs headers;   // names in small letters, in the order of the names
+  std::string client;  // its address
   std::string host;    // as the client wrote it
   std::string accept, content_type, content_encoding, content_length, transfer_encoding;
   bool ambiguous_length = false;  // two lengths, or a length beside a transfer coding
 };
 
+/// The body of an answer that is sent from a file: `size` bytes from `offset`. The file stays open until it is sent, so
+/// that it may be removed meanwhile.
+struct FileBody {
+  std::shared_ptr<const OpenFile> file;
+  std::uint64_t offset = 0, size = 0;
+};
+
+/// The body of an answer that is made while it is sent, such as events. Hands pieces to `write` until the end, or until
+/// that says that nobody listens any more.
+using StreamBody = std::function<void(const std::function<bool(std::string_view)>& write)>;
+
 struct Reply {
   int status = 200;
   std::string media_type;
   TextPairs headers;
-  std::string body;
+  std::variant<std::string, FileBody, StreamBody> body;
+
+  /// Bytes of the body, none known of a stream.
+  std::optional<std::uint64_t> size() const;
 };
 
 /// Hands the decoded body on piece by piece; the sink throws to stop. False: the transfer broke off or is malformed.
@@ -54,6 +74,9 @@ Reply problem_reply(const std::exception& exception);
 
 /// "Not Found" for 404.
 std::string_view status_title(int status);
+
+/// The value of a header, "" when it is not there; of several with that name all, with commas between.
+std::string header_value(const Call& call, std::string_view small_name);
 
 /// The one value of a query parameter or none; throws HttpError 400 when it is given twice.
 std::optional<std::string> query_value(const Call& call, std::string_view name);

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t max_path = 1024;  // the library matches paths with a recursive regular expression
 constexpr int requests_per_connection = 10'000;
+constexpr std::size_t file_block = 256 * 1024;
 
 /// What belongs to one request on one connection. A connection is served by one thread from end to end, and the library
 /// tells its handlers nothing of the connection, so they find it by the thread.
@@ -35,7 +36,8 @@ struct Exchange {
   bool has_header = false;  // the library understood the request line and the header
   bool has_body = false, body_is_read = false;
   std::optional<ChunkGuard> chunks;  // of a body that comes in chunks
-  std::size_t bytes_in = 0;
+  std::size_t bytes_in = 0, bytes_out = 0;
+  bool is_filled = false;  // the answer is ours
   std::string failure;  // what the client is not told, for the log
   bool must_close() const { return !has_header || (has_body && !body_is_read); }
 };
@@ -64,6 +66,12 @@ class LibraryStream : public httplib::Stream {
   Connection& connection_;
 };
 
+std::string small(std::string name) {
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return name;
+}
+
 /// Called when the header is read: takes from the request what we do ourselves and the library must not.
 void adopt(Exchange& exchange, httplib::Request& request) {
   exchange.has_header = true;
@@ -73,6 +81,8 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   call.path = request.path;
   call.query.assign(request.params.begin(), request.params.end());
   exchange.has_host = request.version != "HTTP/1.1" || request.headers.count("Host") == 1;
+  for (const auto& [name, value] : request.headers) call.headers.emplace_back(small(name), value);
+  call.client = exchange.connection.remote_address();
   call.host = request.get_header_value("Host");
   call.content_type = request.get_header_value("Content-Type");
   call.content_encoding = request.get_header_value("Content-Encoding");
@@ -97,8 +107,26 @@ void adopt(Exchange& exchange, httplib::Request& request) {
 void fill(httplib::Response& response, Reply&& reply) {
   response.status = reply.status;
   for (const auto& [name, value] : reply.headers) response.set_header(name, value);
-  if (!reply.media_type.empty()) response.set_header("Content-Type", reply.media_type);
-  response.body = std::move(reply.body);
+  current->is_filled = true;
+  current->bytes_out = reply.size().value_or(0);
+  if (auto* text = std::get_if<std::string>(&reply.body)) {
+    if (!reply.media_type.empty()) response.set_header("Content-Type", reply.media_type);
+    response.body = std::move(*text);
+  } else if (auto* part = std::get_if<FileBody>(&reply.body)) {
+    response.set_content_provider(part->size, reply.media_type,
+                                  [part = *part](size_t at, size_t left, httplib::DataSink& sink) {
+                                    std::string block(std::min(left, file_block), '\0');
+                                    block.resize(part.file->read(part.offset + at, block.data(), block.size()));
+                                    return !block.empty() && sink.write(block.data(), block.size());
+                                  });
+  } else {
+    response.set_chunked_content_provider(
+        reply.media_type, [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
+          stream([&](std::string_view piece) { return sink.write(piece.data(), piece.size()); });
+          sink.done();
+          return true;
+        });
+  }
 }
 
 void fill_problem(httplib::Response& response, const std::exception& exception) {
@@ -141,7 +169,7 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
 
 /// What the library refuses by itself has no body yet.
 void explain(httplib::Response& response) {
-  if (!response.body.empty() || response.status < 400) return;
+  if (response.status < 400 || current->is_filled) return;
   const bool too_large = response.status == 400 && current->connection.header_too_large();
   const int status = too_large ? 431 : response.status;
   const char* code = too_large ? "header-too-large" : status == 414 ? "path-too-long" : "bad-request";
@@ -177,20 +205,20 @@ bool answer_endless_line(Exchange& exchange) {
   exchange.id = request_id("");
   const std::string answer = "HTTP/1.1 414 " + std::string(status_title(414)) +
                              "\r\nContent-Type: " + reply.media_type +
-                             "\r\nContent-Length: " + std::to_string(reply.body.size()) +
+                             "\r\nContent-Length: " + std::to_string(*reply.size()) +
                              "\r\nConnection: close\r\nX-Request-Id: " + exchange.id +
-                             "\r\nX-Content-Type-Options: nosniff\r\n\r\n" + reply.body;
+                             "\r\nX-Content-Type-Options: nosniff\r\n\r\n" + std::get<std::string>(reply.body);
   const bool sent = exchange.connection.write(answer.data(), answer.size()) == static_cast<long>(answer.size());
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - exchange.start).count();
   log_request({exchange.id, exchange.connection.remote_address(), "", "", 414, seconds, exchange.bytes_in,
-               reply.body.size(), exchange.failure});
+               *reply.size(), exchange.failure});
   return sent;
 }
 
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - current->start).count();
   log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status,
-               seconds, current->bytes_in, request.method == "HEAD" ? 0 : response.body.size(), current->failure});
+               seconds, current->bytes_in, request.method == "HEAD" ? 0 : current->bytes_out, current->failure});
 }
 
 }  // namespace

@@ -36,6 +36,10 @@ int status_of(Service& service, const Call& call) {
   }
 }
 
+nlohmann::json json_of(const std::optional<Reply>& reply) {
+  return nlohmann::json::parse(std::get<std::string>(reply->body));
+}
+
 ServiceLimits small() {
   ServiceLimits limits;
   limits.max_body = 1000;
@@ -66,11 +70,11 @@ TEST(Service, ResourcesAnswerByPathMethodAndAccept) {
 
 TEST(Service, EveryOperationIsListedAndDescribed) {
   Service service(small());
-  const auto list = nlohmann::json::parse(service.answer_header(get("/processes"))->body)["processes"];
+  const auto list = json_of(service.answer_header(get("/processes")))["processes"];
   ASSERT_EQ(list.size(), catalogue().size());
   for (const auto& summary : list) {
     const std::string id = summary["id"];
-    EXPECT_EQ(nlohmann::json::parse(service.answer_header(get("/processes/" + id))->body)["id"], id);
+    EXPECT_EQ(json_of(service.answer_header(get("/processes/" + id)))["id"], id);
   }
 }
 
