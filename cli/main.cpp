@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "cli/serve_command.hpp"
 #include "core/error.hpp"
 #include "ops/errors.hpp"
+#include "server/worker_process.hpp"
 
 // The command-line door: it walks the catalogue.
 namespace {
@@ -43,6 +45,8 @@ int run(const std::vector<std::string>& words) {
     if (std::any_of(rest.begin(), rest.end(), asks_for_help)) return print(serve_help());
     return serve_command(rest);
   }
+  // Not for people: what `serve` starts to do its work in.
+  if (words[0] == "workers" && words.size() == 2) return make_workers(std::atoi(words[1].c_str()));
   const Operation& operation = find_operation(words[0]);
   const CommandLine line = parse_command_line(operation, rest);
   if (line.help) return print(operation_help(operation));

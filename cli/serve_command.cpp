@@ -44,14 +44,26 @@ std::size_t size(const std::string& name, const std::string& text) {
   return static_cast<std::size_t>(*value * factor);
 }
 
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    if (end > at) words.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return words;
+}
+
 }  // namespace
 
 int serve_command(std::span<const std::string> words) {
   ServeOptions options;
-  for (const auto& [name, text] : parse_options(words, {"port", "host", "data", "max-body", "threads"})) {
+  for (const auto& [name, text] : parse_options(words, {"port", "host", "data", "store", "allow-hosts", "max-body", "threads"})) {
     if (name == "port") options.port = whole_number(name, text, 0, 65535);
     if (name == "host") options.host = text;
     if (name == "data") options.data = text;
+    if (name == "store") options.store = text;
+    if (name == "allow-hosts") options.allow_hosts = words_of(text);
     if (name == "max-body") options.max_body = size(name, text);
     if (name == "threads") options.threads = whole_number(name, text, 0, 1024);
   }

@@ -14,6 +14,9 @@
 // Coordinate reference systems: the only caller of PROJ/OSR and GeographicLib. x is always longitude or easting.
 namespace terrane {
 
+/// Loads PROJ and GDAL now, for a process that goes on as many. Throws Error{internal}.
+void load_geodesy();
+
 /// Does the text of a CRS name grid files, or hold PROJ strings that could? They would be opened when the text is read
 /// or coordinates are transformed.
 bool names_files(std::string_view text);

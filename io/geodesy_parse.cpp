@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/error.hpp"
+#include "io/gdal_library.hpp"
 #include "io/geodesy_osr.hpp"
 #include "io/text.hpp"
 
@@ -105,6 +106,8 @@ bool import_text(OGRSpatialReference& srs, const std::string& text) {
 }
 
 }  // namespace
+
+void load_geodesy() { load_gdal(); }
 
 bool names_files(std::string_view text) {
   std::string small = lower(text);

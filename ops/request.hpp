@@ -32,6 +32,7 @@ struct InputPart {
   /// Where an input is read from when its turn comes; `bytes` are then only the first of it, for telling its format.
   /// Null: `bytes` is all. May throw Error{input}.
   std::function<InputStream()> open = nullptr;
+  std::string href = {};  // of an input by reference, which its door must have resolved before it is planned
 };
 
 /// A request as a door understood it; nothing is checked yet.

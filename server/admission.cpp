@@ -13,17 +13,18 @@ namespace {
 
 }  // namespace
 
-Admission::Admission(int slots, int line, std::size_t body_bytes)
-    : slots_(slots), line_(line), body_bytes_(body_bytes) {}
-
-Admission::Place::Place(Admission& admission, Context& context) : admission_(admission), context_(context) {
+Admission::Place::Place(Admission& admission, Context& context, Manner manner)
+    : admission_(admission), context_(context) {
   std::unique_lock lock(admission.mutex_);
-  const auto is_free = [&] { return static_cast<int>(admission.at_work_.size()) < admission.slots_; };
-  if (admission.closed_ || (!is_free() && admission.waiting_ >= admission.line_)) refuse_busy();
-  ++admission.waiting_;
-  admission.freed_.wait(lock, [&] { return is_free() || admission.cancelled_; });
-  --admission.waiting_;
-  if (admission.cancelled_) refuse_busy();
+  const bool in_line = manner == Manner::in_line;
+  const auto is_free = [&] {
+    return static_cast<int>(admission.at_work_.size()) < admission.slots_ && (in_line || admission.waiting_ == 0);
+  };
+  if (admission.closed_ || (in_line && !is_free() && admission.waiting_ >= admission.line_)) refuse_busy();
+  if (in_line) ++admission.waiting_;
+  admission.freed_.wait(lock, [&] { return is_free() || (in_line ? admission.cancelled_ : admission.closed_); });
+  if (in_line) --admission.waiting_;
+  if (in_line ? admission.cancelled_ : admission.closed_) refuse_busy();
   admission.at_work_.insert(&context);
 }
 
@@ -32,19 +33,7 @@ Admission::Place::~Place() {
     const std::lock_guard lock(admission_.mutex_);
     admission_.at_work_.erase(&context_);
   }
-  admission_.freed_.notify_one();
-}
-
-Admission::Bytes::~Bytes() {
-  const std::lock_guard lock(admission_.mutex_);
-  admission_.held_bytes_ -= count_;
-}
-
-void Admission::Bytes::add(std::size_t count) {
-  const std::lock_guard lock(admission_.mutex_);
-  if (admission_.held_bytes_ + count > admission_.body_bytes_) refuse_busy();
-  admission_.held_bytes_ += count;
-  count_ += count;
+  admission_.freed_.notify_all();
 }
 
 bool Admission::has_room() const {
@@ -53,8 +42,11 @@ bool Admission::has_room() const {
 }
 
 void Admission::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  freed_.notify_all();
 }
 
 void Admission::cancel() {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <condition_variable>
-#include <cstddef>
 #include <mutex>
 #include <set>
 
@@ -11,17 +10,20 @@
 // How much is worked on at the same time.
 namespace terrane {
 
-/// A bounded number of executions, a short line in front of them, and a bounded number of bytes of request bodies.
+/// A bounded number of executions, and a short line in front of them.
 class Admission {
  public:
-  /// At most `slots` at work, at most `line` waiting, at most `body_bytes` held by bodies of all requests together.
-  Admission(int slots, int line, std::size_t body_bytes);
+  /// At most `slots` at work, at most `line` waiting.
+  Admission(int slots, int line) : slots_(slots), line_(line) {}
+
+  /// Who waits patiently stands beside the line, is not counted, and lets those in the line go first.
+  enum class Manner { in_line, patient };
 
   /// A place among those at work, given back when destroyed. Its context is told when the service has to stop.
   class Place {
    public:
     /// Waits in the line. Throws Error{busy} when the line is full or the service stops before it is our turn.
-    Place(Admission& admission, Context& context);
+    Place(Admission& admission, Context& context, Manner manner = Manner::in_line);
     ~Place();
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;
@@ -29,21 +31,6 @@ class Admission {
    private:
     Admission& admission_;
     Context& context_;
-  };
-
-  /// Bytes of one request's body, given back when destroyed.
-  class Bytes {
-   public:
-    explicit Bytes(Admission& admission) : admission_(admission) {}
-    ~Bytes();
-    Bytes(const Bytes&) = delete;
-    Bytes& operator=(const Bytes&) = delete;
-    /// Throws Error{busy} when all bodies together would be too large.
-    void add(std::size_t count);
-
-   private:
-    Admission& admission_;
-    std::size_t count_ = 0;
   };
 
   /// True when a request that came now would be worked on, at once or after waiting in the line.
@@ -55,11 +42,9 @@ class Admission {
 
  private:
   const int slots_, line_;
-  const std::size_t body_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable freed_;
   int waiting_ = 0;
-  std::size_t held_bytes_ = 0;
   bool closed_ = false, cancelled_ = false;
   std::set<Context*> at_work_;
 };

@@ -55,11 +55,6 @@ std::optional<JsonMembers> qualified_value(std::string_view slice) {
   if (json_kind(slice) != '{') return std::nullopt;
   JsonMembers members = json_members(slice);
   const bool has_value = std::any_of(members.begin(), members.end(), [](const auto& m) { return m.first == "value"; });
-  const bool is_reference =
-      std::any_of(members.begin(), members.end(), [](const auto& m) { return m.first == "href"; });
-  if (is_reference && !has_value) {
-    fail("reference-not-allowed", "Inputs by reference (href) are not fetched by this server; send the data itself.");
-  }
   if (!has_value) return std::nullopt;
   return members;
 }
@@ -88,7 +83,28 @@ InputPart input_from_qualified(const std::string& slot, const JsonMembers& membe
   return part;
 }
 
+/// {"href": …, "type": …}, an OGC link, or nothing when the object is something else.
+std::optional<InputPart> input_by_reference(const std::string& slot, std::string_view slice) {
+  if (json_kind(slice) != '{') return std::nullopt;
+  const JsonMembers members = json_members(slice);
+  if (std::none_of(members.begin(), members.end(), [](const auto& m) { return m.first == "href"; }))
+    return std::nullopt;
+  InputPart part{slot, slot, "", ""};
+  for (const auto& [key, text] : members) {
+    const std::string what = "input " + slot + ", " + key;
+    if (key == "href") part.href = json_string(text, what);
+    else if (key == "type") part.media_type = json_string(text, what);
+    else if (key == "name") part.name = json_string(text, what);
+    else if (key != "rel" && key != "hreflang" && key != "title")
+      fail("unknown-member",
+           "The reference of " + slot + " has an unknown member " + key + "; there are href, type, name.");
+  }
+  if (part.href.empty()) fail("bad-reference", "The href of " + slot + " is empty.");
+  return part;
+}
+
 InputPart input_from_value(const std::string& slot, std::string_view slice) {
+  if (auto reference = input_by_reference(slot, slice)) return std::move(*reference);
   if (const auto members = qualified_value(slice)) return input_from_qualified(slot, *members);
   switch (json_kind(slice)) {
     case '{': return {slot, slot + ".json", "", std::string(slice)};
@@ -144,8 +160,17 @@ void read_inputs(const Operation& operation, std::string_view slice, Request& re
   }
 }
 
-/// An operation has one output of its own; its certificate may be asked for and comes with every document.
-void read_outputs(const Operation& operation, std::string_view slice, Request& request) {
+std::optional<std::string> media_type_of_format(const nlohmann::json& output, const std::string& name) {
+  const auto format = output.find("format");
+  if (format == output.end()) return std::nullopt;
+  const auto media_type = format->is_object() ? format->find("mediaType") : format->end();
+  if (!format->is_object() || media_type == format->end() || !media_type->is_string())
+    fail("wrong-type", "The format of output " + name + " must be an object with a mediaType.");
+  return media_type->get<std::string>();
+}
+
+/// An operation has outputs of its own; its certificate may be asked for too.
+void read_outputs(const Operation& operation, std::string_view slice, Ask& ask) {
   if (json_kind(slice) != '{') fail("wrong-type", "The member outputs must be an object.");
   const nlohmann::json described = process_description(operation)["outputs"];
   for (const auto& [name, value] : json_members(slice)) {
@@ -156,17 +181,26 @@ void read_outputs(const Operation& operation, std::string_view slice, Request& r
     }
     const nlohmann::json output = parse_json(value, "output " + name);
     if (!output.is_object()) fail("wrong-type", "The output " + name + " must be an object.");
-    if (output.value("transmissionMode", nlohmann::json("value")) != "value") {
-      fail("reference-not-available", "The output " + name + " can only be transmitted by value.");
-    }
-    const auto format = output.find("format");
-    if (format == output.end() || name == "certificate") continue;
-    const auto media_type = format->is_object() ? format->find("mediaType") : format->end();
-    if (!format->is_object() || media_type == format->end() || !media_type->is_string()) {
-      fail("wrong-type", "The format of output " + name + " must be an object with a mediaType.");
-    }
-    request.accept = {media_type->get<std::string>()};
+    const nlohmann::json mode = output.value("transmissionMode", nlohmann::json("value"));
+    if (mode != "value" && mode != "reference")
+      fail("wrong-type", "The transmissionMode of output " + name + " must be value or reference.");
+    ask.outputs.push_back({name, mode == "reference"});
+    const auto media_type = media_type_of_format(output, name);
+    if (media_type && name != "certificate") ask.request.accept = {*media_type};
   }
+}
+
+/// The URIs are checked when something is sent there.
+nlohmann::json read_subscriber(std::string_view slice) {
+  const nlohmann::json subscriber = parse_json(slice, "subscriber");
+  if (!subscriber.is_object()) fail("wrong-type", "The member subscriber must be an object.");
+  for (const auto& [name, uri] : subscriber.items()) {
+    if (name != "successUri" && name != "inProgressUri" && name != "failedUri")
+      fail("unknown-member", "The subscriber has an unknown member " + name +
+                                 "; there are successUri, inProgressUri, failedUri.");
+    if (!uri.is_string()) fail("wrong-type", "The " + name + " of the subscriber must be text.");
+  }
+  return subscriber;
 }
 
 }  // namespace
@@ -196,15 +230,17 @@ Ask ask_from_json(const Operation& operation, std::string_view body) {
     if (name == "inputs") {
       read_inputs(operation, value, ask.request);
     } else if (name == "outputs") {
-      read_outputs(operation, value, ask.request);
+      read_outputs(operation, value, ask);
     } else if (name == "response") {
       const std::string response = json_string(value, "response");
       if (response != "raw" && response != "document")
         fail("wrong-type", "The member response must be raw or document.");
       ask.as_document = response == "document";
+    } else if (name == "subscriber") {
+      ask.subscriber = read_subscriber(value);
     } else {
       fail("unknown-member",
-           "The execute request has an unknown member " + name + "; there are inputs, outputs, response.");
+           "The execute request has an unknown member " + name + "; there are inputs, outputs, response, subscriber.");
     }
   }
   return ask;

@@ -13,9 +13,16 @@
 namespace terrane {
 
 /// What a body asks for: the request, and in which wrapping the result is wanted.
+struct OutputAsk {
+  std::string id;
+  bool by_reference = false;  // OGC "transmissionMode": "reference"
+};
+
 struct Ask {
   Request request;
   bool as_document = false;  // OGC "response": "document"
+  std::vector<OutputAsk> outputs;  // in the order asked for; empty: all
+  nlohmann::json subscriber;       // OGC "subscriber": URIs by event, or null
 };
 
 /// Parts are inputs by name, in order; a part that is no input of the operation and has no file name, or that is one of
@@ -23,7 +30,8 @@ struct Ask {
 Ask ask_from_form(const Operation& operation, std::vector<FormPart> parts);
 
 /// An OGC API - Processes execute request. Values of inputs: numbers (levels), text, inline objects (a TIN as Terrane
-/// JSON), qualified values {"value", "mediaType", "encoding": "base64", "name"}, arrays of those. Whatever else stands
+/// JSON), qualified values {"value", "mediaType", "encoding": "base64", "name"}, references {"href", "type", "name"}, arrays
+/// of those. Whatever else stands
 /// among `inputs` is a parameter; arrays of numbers and text become comma-separated lists, objects their text.
 /// Throws Error{usage}; what is not understood is refused, not ignored.
 Ask ask_from_json(const Operation& operation, std::string_view body);

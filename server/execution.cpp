@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// POST /processes/{id}/execution: body -> Ask -> plan -> response -> reply.
+// POST /processes/{id}/execution: body -> a folder -> a worker, now or as a job -> reply. POST /uploads: body -> a folder.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -7,14 +7,19 @@
 
 #include "core/error.hpp"
 #include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "ops/sha256.hpp"
+#include "server/open_file.hpp"
 #include "server/service.hpp"
 
 namespace terrane {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr std::uint64_t small_body = 256 * 1024;  // sent from memory
+constexpr std::size_t longest_key = 255;
 
 std::string milliseconds_since(Clock::time_point start) {
   char text[32];
@@ -22,50 +27,34 @@ std::string milliseconds_since(Clock::time_point start) {
   return text;
 }
 
-/// Query parameters join those of the body; `f` of the query is the last word on the format.
-void add_query(const Call& call, Request& request) {
-  for (const auto& [name, text] : call.query) {
-    if (name == "f" || name == "format") continue;
-    request.parameters.emplace_back(name, text);
+/// RFC 7240: preferences with commas between, perhaps with parameters.
+bool prefers(const Call& call, std::string_view preference) {
+  const std::string text = header_value(call, "prefer");
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    std::string_view word = std::string_view(text).substr(at, end - at);
+    word = word.substr(0, word.find(';'));
+    while (!word.empty() && word.front() == ' ') word.remove_prefix(1);
+    while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
+    if (word == preference) return true;
+    at = end + 1;
   }
-  const auto f = query_value(call, "f"), format = query_value(call, "format");
-  if (f && format && *f != *format)
-    throw HttpError(400, "repeated-parameter", "f and format differ; give one of them.");
-  if (const auto& word = f ? f : format) request.format = *word;
+  return false;
 }
 
-bool is_json(std::string_view media_type) {
-  const std::string_view plain = media_type.substr(0, media_type.find(';'));
-  return plain == "application/json" || plain.ends_with("+json");
-}
-
-bool is_text(std::string_view bytes) {
-  // What is not UTF-8 cannot stand in a JSON string; nlohmann checks it while escaping.
-  return bytes.find('\0') == std::string_view::npos;
-}
-
-/// The result as a value of a results document, spliced as text: a large surface is not parsed again.
-std::string document_value(const Response& response) {
-  const std::string type = nlohmann::json(response.media_type).dump();
-  if (is_json(response.media_type)) return "{\"mediaType\":" + type + ",\"value\":" + response.body + "}";
-  if (is_text(response.body)) {
-    try {
-      return "{\"mediaType\":" + type + ",\"value\":" + nlohmann::json(response.body).dump() + "}";
-    } catch (const nlohmann::json::exception&) {
-      // not UTF-8: below
-    }
-  }
-  return "{\"mediaType\":" + type + ",\"encoding\":\"base64\",\"value\":\"" + encode_base64(response.body) + "\"}";
-}
-
-std::string report_text(const nlohmann::json& report) {
-  return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+std::string idempotency_key(const Call& call) {
+  const std::string key = header_value(call, "idempotency-key");
+  const bool plain = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c < 127; });
+  if (key.size() > longest_key || !plain)
+    throw HttpError(400, "bad-idempotency-key", "An Idempotency-Key has 1 to 255 printable characters.");
+  return key;
 }
 
 /// When the service has to stop, a client that still waits is told to come back.
-Response execute_until_stopped(const Plan& plan, Context& context, const bool& client_is_gone) {
+nlohmann::json run_until_stopped(Workers& workers, const fs::path& folder, const WorkerLimits& limits, double seconds,
+                                 const Workers::Events& events, const bool& client_is_gone) {
   try {
-    return terrane::execute(plan, context);
+    return workers.run(Workers::What::perform, folder, limits, seconds, events);
   } catch (const Error& error) {
     if (error.kind != ErrorKind::cancelled || client_is_gone) throw;
     throw Error(ErrorKind::busy, "stopping",
@@ -73,93 +62,166 @@ Response execute_until_stopped(const Plan& plan, Context& context, const bool& c
   }
 }
 
-}  // namespace
-
-Ask Service::read_ask(const Operation& operation, const Call& call, const BodySource& body,
-                      Admission::Bytes& held) const {
-  const bool is_form = call.content_type.starts_with("multipart/form-data");
-  std::optional<MultipartParser> form;
-  if (is_form) {
-    form.emplace(multipart_boundary(call.content_type), [&](const FormPart& part) {
-      const auto& slots = operation.inputs;
-      const bool is_input = std::any_of(slots.begin(), slots.end(), [&](const auto& s) { return s.name == part.name; });
-      return is_input || part.has_file_name ? limits_.max_body : limits_.max_field;
-    });
-  }
-  std::string text;
-  std::size_t size = 0;
-  const bool complete = body([&](std::string_view piece) {
-    size += piece.size();
-    if (size > limits_.max_body) {
-      throw HttpError(413, "body-too-large",
-                      "The body is larger than " + std::to_string(limits_.max_body) + " bytes (--max-body).");
-    }
-    held.add(piece.size());
-    if (form) form->feed(piece);
-    else text += piece;
-  });
-  if (!complete)
-    throw HttpError(400, "broken-body", "The body ends too early, or its chunks or its compression are broken.");
-  if (form && size > 0) return ask_from_form(operation, form->finish());
-  return size == 0 ? Ask{} : ask_from_json(operation, text);
+/// A file name as a client may have it kept: no folders, nothing that could end a header.
+std::string plain_name(std::string_view name) {
+  name = name.substr(name.find_last_of("/\\") + 1);
+  return header_text(name.substr(0, 255));
 }
 
-Reply Service::execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone) {
-  const Operation& operation = find_operation(execution_path(call.path).value());
-  const Clock::time_point start = Clock::now();
-  Admission::Bytes held(admission_);
-  Ask ask = read_ask(operation, call, body, held);
-  ask.request.operation = operation.id;
-  const bool names_media_type = !ask.request.accept.empty();
-  add_query(call, ask.request);
-  // A document is JSON whatever its result is; then Accept is about the document.
-  if (ask.as_document && !is_accepted(accepted_media_types(call.accept), "application/json")) {
-    throw HttpError(406, "not-acceptable", "A results document is application/json.");
-  }
-  if (!ask.as_document && !names_media_type) ask.request.accept = accepted_media_types(call.accept);
+}  // namespace
 
-  const Plan checked = plan(std::move(ask.request));
-  Context context;
-  context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  bool is_gone = false;
-  context.on_progress = [&, last = Clock::now()](std::string_view, double) mutable {
-    if (Clock::now() - last < std::chrono::milliseconds(200)) return;
-    last = Clock::now();
-    if (client_is_gone()) context.cancelled = is_gone = true;
-  };
-  const std::string read_ms = milliseconds_since(start);
-  const Clock::time_point queued = Clock::now();
-  const Admission::Place place(admission_, context);
-  const std::string wait_ms = milliseconds_since(queued);
-  const Clock::time_point begun = Clock::now();
-  Reply reply = reply_of(operation, ask, execute_until_stopped(checked, context, is_gone));
-  reply.headers.emplace_back(
-      "Server-Timing", "read;dur=" + read_ms + ", wait;dur=" + wait_ms + ", work;dur=" + milliseconds_since(begun));
+Reply reply_of(const nlohmann::json& outcome, const fs::path& out) {
+  const nlohmann::json& from = outcome.at("reply");
+  Reply reply;
+  reply.status = from.at("status");
+  reply.media_type = from.at("media_type");
+  reply.headers = from.at("headers").get<TextPairs>();
+  reply.headers.emplace_back("Terrane-Warnings", std::to_string(outcome.at("warnings").get<std::size_t>()));
+  if (const std::string name = from.at("file"); !name.empty()) {
+    auto file = std::make_shared<const OpenFile>(out / name);
+    if (file->size() <= small_body) reply.body = file->text();
+    else reply.body = FileBody{file, 0, file->size()};
+  }
   return reply;
 }
 
-Reply Service::reply_of(const Operation& operation, const Ask& ask, Response&& response) {
-  Reply reply;
-  const std::string report = report_text(response.report);
-  const std::string id = response.report.is_null() ? "" : reports_.put(report);
-  if (!id.empty()) {
-    reply.headers.emplace_back("Link", "</reports/" + id + ">; rel=\"describedby\"; type=\"application/json\"");
+Resolve Service::resolver(const fs::path& folder, const std::string& base) const {
+  return [this, folder, base](const std::string& href) { return references_.resolve(folder, base, href); };
+}
+
+Service::Spooled Service::spool(const Call&, const BodySource& body, const fs::path& path) {
+  NewFile file(path);
+  Sha256 hash;
+  Spooled spooled;
+  const bool complete = body([&](std::string_view piece) {
+    spooled.size += piece.size();
+    if (spooled.size > limits_.max_body)
+      throw HttpError(413, "body-too-large",
+                      "The body is larger than " + std::to_string(limits_.max_body) + " bytes (--max-body).");
+    hash.add(piece);
+    file.write(piece);
+  });
+  if (!complete)
+    throw HttpError(400, "broken-body", "The body ends too early, or its chunks or its compression are broken.");
+  file.keep();
+  spooled.fingerprint = hash.finish();
+  return spooled;
+}
+
+Reply Service::execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone) {
+  if (call.path == "/uploads") return upload(call, body);
+  const Operation& operation = find_operation(execution_path(call.path).value());
+  const bool later = prefers(call, "respond-async");
+  Folder folder(data_.work(random_id()));
+  const Clock::time_point start = Clock::now();
+  const Spooled spooled = spool(call, body, folder.path() / "body");
+  const Order order{random_id(),      operation.id, base_url(call),
+                    call.content_type, call.accept,  call.query,
+                    static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
+  write_file(folder.path() / "call.json", to_json(order).dump());
+  if (later) return run_later(order, folder, call, spooled);
+  if (spooled.size > limits_.sync_bytes)
+    throw HttpError(413, "too-large-to-wait",
+                    "A request of " + std::to_string(spooled.size) +
+                        " bytes is too large to wait for; send it with the header Prefer: respond-async.");
+  const std::string read_ms = milliseconds_since(start);
+  Reply reply = run_now(order, folder, client_is_gone);
+  for (auto& [name, value] : reply.headers)
+    if (name == "Server-Timing") value = "read;dur=" + read_ms + ", " + value;
+  return reply;
+}
+
+Reply Service::run_now(const Order& order, Folder& folder, const std::function<bool()>& client_is_gone) {
+  const Instant started = Jobs::now();
+  const Clock::time_point queued = Clock::now();
+  Context context;
+  const Admission::Place place(admission_, context);
+  const std::string wait_ms = milliseconds_since(queued);
+  const Clock::time_point begun = Clock::now();
+  bool is_gone = false;
+  Workers::Events events;
+  events.resolve = resolver(folder.path(), order.base);
+  events.is_unwanted = [&] { return context.cancelled || (is_gone = is_gone || client_is_gone()); };
+  nlohmann::json outcome = run_until_stopped(workers_, folder.path(), limits_.jobs.worker, limits_.sync_seconds,
+                                             events, is_gone);
+  const std::string id = order.id;
+  if (outcome.at("references")) keep_as_job(order, folder, outcome, started);
+  const fs::path out = outcome.at("references") ? data_.job(id) / outcome.at("folder").get<std::string>()
+                                                : folder.path() / "out";
+  Reply reply = reply_of(outcome, out);
+  if (outcome.at("outputs").contains("certificate")) {
+    const std::string report = reports_.put(OpenFile(out / "certificate").text());
+    if (!report.empty())
+      reply.headers.emplace_back("Link", "</reports/" + report + ">; rel=\"describedby\"; type=\"application/json\"");
   }
-  reply.headers.emplace_back("Terrane-Warnings", std::to_string(response.warnings.size()));
-  if (!ask.as_document) {
-    reply.media_type = response.media_type;
-    reply.headers.emplace_back("Content-Disposition",
-                               "attachment; filename=\"" + header_text(response.file_name) + "\"");
-    reply.body = std::move(response.body);
-    return reply;
+  reply.headers.emplace_back("Server-Timing", "wait;dur=" + wait_ms + ", work;dur=" + milliseconds_since(begun));
+  return reply;
+}
+
+/// Results that a link in the answer points at stay, as those of a job that is over.
+void Service::keep_as_job(const Order& order, Folder& folder, nlohmann::json& outcome, Instant started) {
+  fs::rename(folder.path() / "out", folder.path() / "out-1");
+  outcome["folder"] = "out-1";
+  Job job;
+  job.id = order.id;
+  job.operation = order.operation;
+  job.status = JobStatus::successful;
+  job.message = "done";
+  job.progress = 100;
+  job.created = job.started.emplace(started);
+  job.updated = job.finished.emplace(Jobs::now());
+  job.expires = Jobs::now() + limits_.jobs.expiry_ms;
+  job.attempts = 1;
+  job.outcome = outcome;
+  jobs_.keep(folder, job);
+}
+
+Reply Service::run_later(const Order& order, Folder& folder, const Call& call, const Spooled& spooled) {
+  const std::string key = idempotency_key(call);
+  nlohmann::json checked;
+  {
+    Context context;
+    const Admission::Place place(checks_, context);
+    Workers::Events events;
+    events.resolve = resolver(folder.path(), order.base);
+    events.is_unwanted = [&] { return context.cancelled.load(); };
+    checked = workers_.run(Workers::What::check, folder.path(), limits_.jobs.worker, limits_.sync_seconds, events);
   }
-  // An operation has one output of its own; a report already holds its certificate.
-  const nlohmann::json outputs = process_description(operation)["outputs"];
-  const std::string certificate =
-      response.report.contains("certificate") ? report_text(response.report["certificate"]) : report;
-  reply.media_type = "application/json";
-  reply.body = "{" + nlohmann::json(outputs.begin().key()).dump() + ":" + document_value(response) +
-               ",\"certificate\":" + certificate + "}\n";
+  Job job;
+  job.id = order.id;
+  job.operation = order.operation;
+  job.message = "waiting";
+  job.idempotency_key = key;
+  job.fingerprint = sha256(order.operation + "\n" + nlohmann::json(order.query).dump() + "\n" + order.content_type +
+                           "\n" + order.accept + "\n" + spooled.fingerprint);
+  job.subscriber = checked.at("subscriber");
+  const std::string wanted = job.fingerprint;
+  const Job submitted = jobs_.submit(folder, std::move(job));
+  if (submitted.fingerprint != wanted)
+    throw HttpError(422, "idempotency-key-reused",
+                    "This Idempotency-Key was used for another request; use a new one for each.");
+  Reply reply = json_reply(status_info(submitted, order.base));
+  reply.status = 201;
+  reply.headers = {{"Location", order.base + "/jobs/" + submitted.id}, {"Preference-Applied", "respond-async"}};
+  return reply;
+}
+
+Reply Service::upload(const Call& call, const BodySource& body) {
+  const std::string id = random_id();
+  Folder folder(data_.work(id));
+  const Spooled spooled = spool(call, body, folder.path() / "body");
+  const std::string name = plain_name(query_value(call, "name").value_or(""));
+  write_file(folder.path() / "upload.json",
+             nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());
+  folder.become(data_.upload(id));
+  Reply reply = json_reply({{"href", "/uploads/" + id},
+                            {"type", call.content_type},
+                            {"name", name},
+                            {"size", spooled.size},
+                            {"sha256", spooled.fingerprint},
+                            {"expires", timestamp(Jobs::now() + limits_.jobs.expiry_ms)}});
+  reply.status = 201;
+  reply.headers = {{"Location", base_url(call) + "/uploads/" + id}};
   return reply;
 }
 

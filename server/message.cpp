@@ -50,6 +50,9 @@ double quality(const std::vector<std::string_view>& element) {
 nlohmann::json http_problem(const HttpError& error) {
   // The house's own problem types, with the status that only HTTP has.
   nlohmann::json value = problem(Error(ErrorKind::usage, error.code, error.what()));
+  // Three that OGC API - Processes names itself.
+  if (error.code == "no-such-job" || error.code == "result-not-ready" || error.code == "no-such-process")
+    value["type"] = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/" + error.code;
   value["title"] = status_title(error.status);
   value["status"] = error.status;
   return value;
@@ -64,6 +67,7 @@ std::string_view status_title(int status) {
     case 405: return "Method Not Allowed";
     case 406: return "Not Acceptable";
     case 408: return "Request Timeout";
+    case 410: return "Gone";
     case 411: return "Length Required";
     case 413: return "Payload Too Large";
     case 414: return "URI Too Long";

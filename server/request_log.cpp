@@ -40,6 +40,12 @@ void log_request(const LogLine& line) {
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
+void log_event(std::string_view level, std::string_view message) {
+  const nlohmann::ordered_json value = {{"time", utc_now()}, {"level", level}, {"message", message}};
+  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 std::string request_id(std::string_view from_client) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || c == '.' || c == '_' || c == '-'; };
   if (!from_client.empty() && from_client.size() <= 128 && std::all_of(from_client.begin(), from_client.end(), plain)) {

@@ -19,6 +19,9 @@ struct LogLine {
 /// Lines of different threads never mix. The query is not logged: it may hold data.
 void log_request(const LogLine& line);
 
+/// A line about something that belongs to no request: level "info", "warning" or "error".
+void log_event(std::string_view level, std::string_view message);
+
 /// The client's id when it is 1 to 128 letters, digits, '.', '_', '-'; else a new one of 32 hexadecimal digits.
 std::string request_id(std::string_view from_client);
 

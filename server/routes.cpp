@@ -241,10 +241,10 @@ struct HttpServer::Library : httplib::Server {
     set_pre_routing_handler([this](const httplib::Request&, httplib::Response& response) {
       return terrane::answer_header(this->service, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
     });
-    Post("/processes/[^/]+/execution",
-         [this](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& reader) {
-           read_and_execute(this->service, response, reader);
-         });
+    for (const char* path : {"/processes/[^/]+/execution", "/uploads"})
+      Post(path, [this](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& reader) {
+        read_and_execute(this->service, response, reader);
+      });
     set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& response) {
       explain(response);
       return HandlerResponse::Handled;

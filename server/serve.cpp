@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <thread>
 
@@ -79,7 +80,13 @@ int serve(const ServeOptions& options) {
   pthread_sigmask(SIG_BLOCK, &signals, &before);
   std::signal(SIGPIPE, SIG_IGN);
 
-  Service service(limits);
+  limits.jobs.runners = limits.slots;
+  ServicePlace place;
+  place.data = options.data.empty() ? default_data_folder().string() : options.data;
+  place.store = options.store;
+  place.allow_hosts = options.allow_hosts;
+  place.worker_command = {std::filesystem::read_symlink("/proc/self/exe").string(), "workers"};
+  Service service(limits, place);
   // Beside those at work and in the line, enough for reading bodies and for quick questions such as /health.
   HttpServer server(service, limits.slots + limits.line + 32);
   const int port = server.bind(options.host, options.port);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 // The HTTP door: the operations of the catalogue as OGC API - Processes, executed while the client waits.
 namespace terrane {
@@ -11,6 +12,8 @@ struct ServeOptions {
   std::string host = "127.0.0.1";               // DEFAULT: loopback only
   int port = 8080;                              // 0: a free one, named on standard output
   std::string data;                             // folder of the jobs' results; empty: the user's state directory
+  std::string store = "sqlite";                 // in the data folder; or postgresql://..., shared by several servers
+  std::vector<std::string> allow_hosts;         // for references and callbacks
   std::size_t max_body = std::size_t{1} << 30;  // bytes of one request's body, counted while it is read and decoded
   int threads = 0;                              // executions at the same time; 0: one per core
 };

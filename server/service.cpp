@@ -86,8 +86,39 @@ std::string base_url(const Call& call) {
   return "http://" + call.host;
 }
 
-Service::Service(const ServiceLimits& limits)
-    : limits_(limits), admission_(limits.slots, limits.line, 4 * limits.max_body), reports_(limits.max_reports) {}
+namespace {
+
+constexpr int most_checks = 64;  // orders of jobs that wait to be looked into
+
+bool is_postgresql(const std::string& store) { return store.starts_with("postgresql:") || store.starts_with("postgres:"); }
+
+}  // namespace
+
+Service::Service(const ServiceLimits& limits, const ServicePlace& place)
+    : limits_(limits),
+      data_(place.data, is_postgresql(place.store) ? random_id() : "server"),
+      admission_(limits.slots, limits.line),
+      checks_(limits.checks, most_checks),
+      reports_(limits.max_reports),
+      workers_(place.worker_command, data_.work()),
+      store_(is_postgresql(place.store) ? open_postgresql_store(place.store)
+                                        : open_sqlite_store((data_.root() / "jobs.sqlite").string())),
+      outbound_(place.allow_hosts),
+      references_(data_, *store_, outbound_, limits.max_body),
+      jobs_(*store_, data_, workers_, admission_, references_, outbound_, limits.jobs, random_id(),
+            !is_postgresql(place.store)) {}
+
+void Service::close() {
+  closing_ = true;
+  admission_.close();
+  checks_.close();
+}
+
+void Service::cancel() {
+  admission_.cancel();
+  checks_.cancel();
+  jobs_.stop();
+}
 
 std::optional<std::string> execution_path(std::string_view path) {
   constexpr std::string_view head = "/processes/", tail = "/execution";
@@ -98,17 +129,19 @@ std::optional<std::string> execution_path(std::string_view path) {
 }
 
 std::optional<Reply> Service::answer_header(const Call& call) {
+  if (auto reply = answer_jobs(call)) return reply;
   const auto execution = execution_path(call.path);
-  if (!execution && !is_resource(call.path)) {
+  const bool takes_body = execution || call.path == "/uploads";
+  if (!takes_body && !is_resource(call.path)) {
     throw HttpError(404, "no-such-page", "There is nothing at this path; / lists what there is.");
   }
-  const std::string allowed = execution ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
+  const std::string allowed = takes_body ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
   if (call.method == "OPTIONS") return Reply{204, "", {{"Allow", allowed}}, ""};
-  if (call.method != (execution ? "POST" : "GET")) {
+  if (call.method != (takes_body ? "POST" : "GET")) {
     throw HttpError(405, "method-not-allowed", "This path takes " + allowed + ".", {{"Allow", allowed}});
   }
-  if (!execution) return resource(call, call.path);
-  find_operation(*execution);
+  if (!takes_body) return resource(call, call.path);
+  if (execution) find_operation(*execution);
   check_body_header(call);
   return std::nullopt;
 }
@@ -163,6 +196,7 @@ void Service::check_body_header(const Call& call) const {
   if (!coding.empty() && coding != "identity" && coding != "gzip" && coding != "deflate" && coding != "br") {
     throw HttpError(415, "unknown-content-coding", "The body may be encoded as gzip, deflate or br.");
   }
+  if (call.path == "/uploads") return;
   const bool is_empty = !chunked && std::stoull(length) == 0;
   const std::string type = call.content_type.substr(0, call.content_type.find(';'));
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {

@@ -3,49 +3,92 @@
 
 #include <atomic>
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "server/admission.hpp"
-#include "server/execute_request.hpp"
+#include "server/data_folder.hpp"
+#include "server/jobs.hpp"
 #include "server/message.hpp"
 #include "server/report_store.hpp"
+#include "server/workers.hpp"
 
 // The resources of the service, without sockets: a Call in, a Reply out. Safe to use from several threads.
 namespace terrane {
 
 struct ServiceLimits {
-  std::size_t max_body =
-      std::size_t{1} << 30;  // decoded bytes of one body; all bodies together may hold four times that
-  std::size_t max_field = std::size_t{1} << 20;  // one parameter in a form
+  std::size_t max_body = std::size_t{1} << 30;  // decoded bytes of one body
   std::size_t max_reports = std::size_t{64} << 20;
   int slots = 1, line = 4;  // executions at work, and waiting
+  int checks = 2;           // orders of jobs that are looked into at the same time, beside the executions
+  std::size_t sync_bytes = std::size_t{256} << 20;  // of a body, for whoever waits; larger ones must be jobs
+  double sync_seconds = 120;
+  int streams = 16;  // clients that follow a job's events
+  JobLimits jobs;
+};
+
+/// What the service stands on.
+struct ServicePlace {
+  std::string data;                         // folder
+  std::string store = "sqlite";             // or postgresql://...
+  std::vector<std::string> allow_hosts;     // for references and callbacks
+  std::vector<std::string> worker_command;  // that starts make_workers()
 };
 
 class Service {
  public:
-  explicit Service(const ServiceLimits& limits);
+  Service(const ServiceLimits& limits, const ServicePlace& place);
 
   /// The answer to everything that is decided before a body is read: resources, wrong paths and methods, a body that is
-  /// refused by its header. Nothing for an execution that may go on: then `execute` answers it.
+  /// refused by its header. Nothing for a request whose body is wanted: then `execute` answers it.
   std::optional<Reply> answer_header(const Call& call);
 
   /// Reads the body, works, answers. `client_is_gone` is asked now and then; when true the work is given up.
   Reply execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone);
 
-  /// New executions are refused, /ready says no.
-  void close() { admission_.close(); }
-  /// Executions at work are asked to stop.
-  void cancel() { admission_.cancel(); }
+  /// New executions are refused, /ready says no, no job is begun any more.
+  void close();
+  /// Executions at work are asked to stop, running jobs go back in the line.
+  void cancel();
 
  private:
   Reply resource(const Call& call, const std::string& path);
   void check_body_header(const Call& call) const;
-  Ask read_ask(const Operation& operation, const Call& call, const BodySource& body, Admission::Bytes& held) const;
-  Reply reply_of(const Operation& operation, const Ask& ask, Response&& response);
+
+  // execution.cpp
+  struct Spooled {
+    std::size_t size = 0;
+    std::string fingerprint;
+  };
+  Spooled spool(const Call& call, const BodySource& body, const std::filesystem::path& file);
+  Reply run_now(const Order& order, Folder& folder, const std::function<bool()>& client_is_gone);
+  Reply run_later(const Order& order, Folder& folder, const Call& call, const Spooled& spooled);
+  void keep_as_job(const Order& order, Folder& folder, nlohmann::json& outcome, Instant started);
+  Reply upload(const Call& call, const BodySource& body);
+  Resolve resolver(const std::filesystem::path& folder, const std::string& base) const;
+
+  // job_pages.cpp
+  Reply job_list(const Call& call);
+  Reply job_page(const Call& call, const std::string& id);
+  Reply job_results(const Call& call, const std::string& id);
+  Reply job_output(const Call& call, const std::string& id, const std::string& output);
+  Reply job_events(const Call& call, const std::string& id);
+  Reply dismiss_job(const Call& call, const std::string& id);
+  std::optional<Reply> answer_jobs(const Call& call);
+  Job require_job(const std::string& id);
 
   const ServiceLimits limits_;
-  Admission admission_;
+  const DataFolder data_;
+  Admission admission_, checks_;
   ReportStore reports_;
+  Workers workers_;
+  const std::unique_ptr<JobStore> store_;
+  const Outbound outbound_;
+  const References references_;
+  std::atomic<int> streams_ = 0;
+  std::atomic<bool> closing_ = false;
+  Jobs jobs_;  // last: its threads use the rest
 };
 
 /// The operation in /processes/{id}/execution, or nothing when the path is another.
@@ -53,6 +96,9 @@ std::optional<std::string> execution_path(std::string_view path);
 
 /// "http://host" as the client addressed us, so that links work from where it stands; empty when the host is odd.
 std::string base_url(const Call& call);
+
+/// What a finished execution is answered with: `out` is the folder of its outputs.
+Reply reply_of(const nlohmann::json& outcome, const std::filesystem::path& out);
 
 /// GET / for machines and for people.
 Reply landing_page(const Call& call);

@@ -59,9 +59,12 @@ class Service:
         # A file takes standard error, so that a chatty service cannot block on a full pipe.
         self.log = tempfile.TemporaryFile()
         self.data = tempfile.TemporaryDirectory()
-        self.process = subprocess.Popen(
-            [TERRANE, "serve", "--port", str(free_port()), "--data", self.data.name, *arguments],
-            stdout=subprocess.PIPE, stderr=self.log)
+        self.command = [TERRANE, "serve", "--port", str(free_port()), "--data", self.data.name, *arguments]
+        self.start()
+
+    def start(self):
+        """Again on the same port and folder, after kill() or stop()."""
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline().decode()
         match = re.fullmatch(r"listening on http://([^:]+):(\d+)\n", line)
         if not match:
@@ -110,7 +113,13 @@ class Service:
                 pass
             return answer
 
-    def close(self, signal_number=signal.SIGTERM, timeout=15):
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+
+    def stop(self, signal_number=signal.SIGTERM, timeout=15):
+        """The exit code; the folder and the log stay."""
         if self.process.poll() is None:
             self.process.send_signal(signal_number)
         try:
@@ -120,6 +129,10 @@ class Service:
             self.process.wait()
             code = None
         self.process.stdout.close()
+        return code
+
+    def close(self, signal_number=signal.SIGTERM, timeout=15):
+        code = self.stop(signal_number, timeout)
         self.log.close()
         self.data.cleanup()
         return code

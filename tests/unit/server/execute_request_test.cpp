@@ -86,7 +86,7 @@ TEST(ExecuteRequest, WhatIsNotUnderstoodIsRefused) {
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": [[1]]}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": nan}}"), "invalid-json");
   EXPECT_EQ(code_of("{\"inputs\": {\"overlap\": null}}"), "wrong-type");
-  EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\"}}}"), "reference-not-allowed");
+  EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\"}}}"), "");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"=\", \"encoding\": \"base64\"}}}"), "bad-base64");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": 1, \"encoding\": \"base64\"}}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"a\", \"encoding\": \"rot13\"}}}"), "bad-encoding");

@@ -40,14 +40,22 @@ nlohmann::json json_of(const std::optional<Reply>& reply) {
   return nlohmann::json::parse(std::get<std::string>(reply->body));
 }
 
-ServiceLimits small() {
-  ServiceLimits limits;
-  limits.max_body = 1000;
-  return limits;
-}
+/// A service that nobody asks to work.
+class SmallService : public ::testing::Test {
+ protected:
+  SmallService() : service(limits(), {folder.path().string(), "sqlite", {}, {"/bin/true"}}) {}
 
-TEST(Service, ResourcesAnswerByPathMethodAndAccept) {
-  Service service(small());
+  static ServiceLimits limits() {
+    ServiceLimits limits;
+    limits.max_body = 1000;
+    return limits;
+  }
+
+  Folder folder{std::filesystem::temp_directory_path() / random_id()};
+  Service service;
+};
+
+TEST_F(SmallService, ResourcesAnswerByPathMethodAndAccept) {
   for (const char* path :
        {"/", "/health", "/ready", "/processes", "/processes/merge", "/openapi.json", "/conformance"}) {
     EXPECT_EQ(status_of(service, get(path)), 200) << path;
@@ -68,8 +76,7 @@ TEST(Service, ResourcesAnswerByPathMethodAndAccept) {
   EXPECT_EQ(status_of(service, get("/processes/merge/execution")), 405);
 }
 
-TEST(Service, EveryOperationIsListedAndDescribed) {
-  Service service(small());
+TEST_F(SmallService, EveryOperationIsListedAndDescribed) {
   const auto list = json_of(service.answer_header(get("/processes")))["processes"];
   ASSERT_EQ(list.size(), catalogue().size());
   for (const auto& summary : list) {
@@ -78,8 +85,7 @@ TEST(Service, EveryOperationIsListedAndDescribed) {
   }
 }
 
-TEST(Service, BodiesAreRefusedByTheirHeader) {
-  Service service(small());
+TEST_F(SmallService, BodiesAreRefusedByTheirHeader) {
   const std::string path = "/processes/merge/execution";
   EXPECT_EQ(status_of(service, post(path, "1000")), 0) << "goes on to the body";
   EXPECT_EQ(status_of(service, post(path, "1001")), 413);
@@ -97,8 +103,7 @@ TEST(Service, BodiesAreRefusedByTheirHeader) {
   EXPECT_EQ(status_of(service, call), 415);
 }
 
-TEST(Service, BodiesAreCountedWhileTheyAreRead) {
-  Service service(small());
+TEST_F(SmallService, BodiesAreCountedWhileTheyAreRead) {
   Call call = post("/processes/merge/execution", "");
   call.transfer_encoding = "chunked";
   int pieces = 0;
@@ -116,7 +121,7 @@ TEST(Service, BodiesAreCountedWhileTheyAreRead) {
 }
 
 TEST(Admission, SlotsAndTheLineAreBounded) {
-  Admission admission(1, 1, 100);
+  Admission admission(1, 1);
   auto first_context = std::make_unique<Context>();
   auto first = std::make_unique<Admission::Place>(admission, *first_context);
   EXPECT_TRUE(admission.has_room());
@@ -136,7 +141,7 @@ TEST(Admission, SlotsAndTheLineAreBounded) {
 }
 
 TEST(Admission, CancelReachesThoseAtWorkAndInTheLine) {
-  Admission admission(1, 1, 100);
+  Admission admission(1, 1);
   Context at_work;
   const Admission::Place place(admission, at_work);
   std::atomic<bool> refused = false;
@@ -153,17 +158,6 @@ TEST(Admission, CancelReachesThoseAtWorkAndInTheLine) {
   waiting.join();
   EXPECT_TRUE(refused);
   EXPECT_TRUE(at_work.cancelled);
-}
-
-TEST(Admission, BytesOfAllBodiesAreBoundedTogether) {
-  Admission admission(1, 1, 100);
-  auto first = std::make_unique<Admission::Bytes>(admission);
-  first->add(80);
-  Admission::Bytes second(admission);
-  second.add(20);
-  EXPECT_THROW(second.add(1), Error);
-  first.reset();
-  EXPECT_NO_THROW(second.add(80));
 }
 
 TEST(ReportStore, KeepsTheLatestWithinItsBytes) {

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// GET /jobs, /jobs/{id}, /jobs/{id}/results, /jobs/{id}/results/{output}, /jobs/{id}/events; DELETE /jobs/{id}.
+#include <charconv>
+#include <chrono>
+#include <ctime>
+#include <thread>
+
+#include "core/error.hpp"
+#include "server/service.hpp"
+
+namespace terrane {
+
+namespace {
+
+using namespace std::chrono_literals;
+constexpr std::size_t most_jobs = 1000;  // on one page
+constexpr auto event_step = 250ms;
+constexpr auto event_sign_of_life = 15s;
+
+std::vector<std::string> list_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return words;
+}
+
+std::int64_t whole_number(const std::string& name, const std::string& text, std::int64_t least) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < least)
+    throw HttpError(400, "bad-parameter",
+                    "The parameter " + name + " takes a whole number from " + std::to_string(least) + ".");
+  return value;
+}
+
+[[noreturn]] void bad_datetime() {
+  throw HttpError(400, "bad-parameter",
+                  "datetime takes an instant such as 2026-01-31T12:00:00Z, or an interval of two with / between, of "
+                  "which one may be '..'.");
+}
+
+/// RFC 3339, with or without fractions of a second.
+Instant instant(const std::string& text) {
+  std::tm parts{};
+  const char* rest = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
+  if (!rest) bad_datetime();
+  double fraction = 0;
+  if (*rest == '.') {
+    const auto [end, error] = std::from_chars(rest, text.data() + text.size(), fraction);
+    if (error != std::errc{}) bad_datetime();
+    rest = end;
+  }
+  int hours = 0, minutes = 0;
+  const std::string zone = rest;
+  if (zone != "Z" && zone != "z") {
+    if (zone.size() != 6 || (zone[0] != '+' && zone[0] != '-') || zone[3] != ':') bad_datetime();
+    hours = static_cast<int>(whole_number("datetime", zone.substr(1, 2), 0));
+    minutes = static_cast<int>(whole_number("datetime", zone.substr(4, 2), 0));
+    if (zone[0] == '-') hours = -hours, minutes = -minutes;
+  }
+  return (static_cast<Instant>(timegm(&parts)) - hours * 3600 - minutes * 60) * 1000 +
+         static_cast<Instant>(fraction * 1000);
+}
+
+void set_interval(JobFilter& filter, const std::string& text) {
+  const auto slash = text.find('/');
+  const auto bound = [](const std::string& end) -> std::optional<Instant> {
+    if (end.empty() || end == "..") return std::nullopt;
+    return instant(end);
+  };
+  filter.created_from = bound(text.substr(0, slash));
+  filter.created_until = slash == std::string::npos ? filter.created_from : bound(text.substr(slash + 1));
+  if (!filter.created_from && !filter.created_until) bad_datetime();
+  // A whole second stands for all of it.
+  if (slash == std::string::npos && text.find('.') == std::string::npos) *filter.created_until += 999;
+}
+
+JobFilter filter_of(const Call& call) {
+  JobFilter filter;
+  for (const auto& [name, text] : call.query) {
+    if (name == "f") continue;
+    if (name == "limit") {
+      filter.limit = std::min<std::size_t>(most_jobs, static_cast<std::size_t>(whole_number(name, text, 1)));
+    } else if (name == "offset") {
+      filter.offset = static_cast<std::size_t>(whole_number(name, text, 0));
+    } else if (name == "processID") {
+      for (std::string& word : list_of(text)) filter.operations.push_back(std::move(word));
+    } else if (name == "status") {
+      for (const std::string& word : list_of(text)) {
+        const auto status = job_status(word);
+        if (!status)
+          throw HttpError(400, "bad-parameter",
+                          "There is no status of that name; there are accepted, running, successful, failed, dismissed.");
+        filter.statuses.push_back(*status);
+      }
+    } else if (name == "type") {
+      for (const std::string& word : list_of(text))
+        if (word != "process") filter.operations.push_back("no such type");
+    } else if (name == "datetime") {
+      set_interval(filter, text);
+    } else if (name == "minDuration") {
+      filter.min_duration = 1000 * whole_number(name, text, 0);
+    } else if (name == "maxDuration") {
+      filter.max_duration = 1000 * whole_number(name, text, 0);
+    } else {
+      throw HttpError(400, "unknown-parameter",
+                      "There is no parameter " + header_text(name) +
+                          " here; there are type, processID, status, datetime, minDuration, maxDuration, limit, offset, f.");
+    }
+  }
+  return filter;
+}
+
+std::string encoded(std::string_view text) {
+  std::string result;
+  for (const unsigned char c : text) {
+    if (std::isalnum(c) || c == '-' || c == '.' || c == '_' || c == '~') result += static_cast<char>(c);
+    else result += '%', result += "0123456789ABCDEF"[c >> 4], result += "0123456789ABCDEF"[c & 15];
+  }
+  return result;
+}
+
+/// The same list from another place on.
+std::string page_at(const Call& call, std::size_t offset) {
+  std::string query;
+  for (const auto& [name, text] : call.query)
+    if (name != "offset") query += encoded(name) + "=" + encoded(text) + "&";
+  return base_url(call) + "/jobs?" + query + "offset=" + std::to_string(offset);
+}
+
+/// The pieces of "/jobs/ID/results/OUTPUT" after "/jobs".
+std::vector<std::string> pieces(const std::string& path) {
+  std::vector<std::string> result;
+  for (std::size_t at = 6; at < path.size();) {
+    const std::size_t end = std::min(path.find('/', at), path.size());
+    result.push_back(path.substr(at, end - at));
+    at = end + 1;
+  }
+  return result;
+}
+
+std::string etag(const std::string& sha256) { return "\"" + sha256 + "\""; }
+
+}  // namespace
+
+Job Service::require_job(const std::string& id) {
+  auto job = is_id(id) ? jobs_.find(id) : std::nullopt;
+  if (!job) throw HttpError(404, "no-such-job", "There is no job of that id, or no longer; jobs are kept for a while.");
+  return std::move(*job);
+}
+
+std::optional<Reply> Service::answer_jobs(const Call& call) {
+  if (call.path != "/jobs" && !call.path.starts_with("/jobs/")) return std::nullopt;
+  const auto parts = pieces(call.path);
+  const bool is_results = parts.size() >= 2 && parts[1] == "results" && parts.size() <= 3;
+  const bool is_events = parts.size() == 2 && parts[1] == "events";
+  if (parts.size() > 1 && !is_results && !is_events) return std::nullopt;
+  const std::string allowed = parts.size() == 1 ? "GET, HEAD, DELETE, OPTIONS" : "GET, HEAD, OPTIONS";
+  if (call.method == "OPTIONS") return Reply{204, "", {{"Allow", allowed}}, ""};
+  if (call.method == "DELETE" && parts.size() == 1) return dismiss_job(call, parts[0]);
+  if (call.method != "GET")
+    throw HttpError(405, "method-not-allowed", "This path takes " + allowed + ".", {{"Allow", allowed}});
+  if (parts.empty()) return job_list(call);
+  if (parts.size() == 1) return job_page(call, parts[0]);
+  if (is_events) return job_events(call, parts[0]);
+  return parts.size() == 2 ? job_results(call, parts[0]) : job_output(call, parts[0], parts[2]);
+}
+
+Reply Service::job_list(const Call& call) {
+  const JobFilter filter = filter_of(call);
+  const JobPage page = jobs_.list(filter);
+  nlohmann::json jobs = nlohmann::json::array();
+  for (const Job& job : page.jobs) jobs.push_back(status_info(job, base_url(call)));
+  const auto link = [&](std::size_t offset, const char* rel) {
+    return nlohmann::json{{"href", page_at(call, offset)}, {"rel", rel}, {"type", "application/json"}, {"title", rel}};
+  };
+  nlohmann::json links = {link(filter.offset, "self")};
+  if (filter.offset + page.jobs.size() < page.matched) links.push_back(link(filter.offset + page.jobs.size(), "next"));
+  if (filter.offset > 0)
+    links.push_back(link(filter.offset > filter.limit ? filter.offset - filter.limit : 0, "prev"));
+  return json_reply({{"jobs", jobs},
+                     {"links", links},
+                     {"numberMatched", page.matched},
+                     {"numberReturned", page.jobs.size()}});
+}
+
+Reply Service::job_page(const Call& call, const std::string& id) {
+  return json_reply(status_info(require_job(id), base_url(call)));
+}
+
+Reply Service::dismiss_job(const Call& call, const std::string& id) {
+  require_job(id);
+  const auto job = jobs_.dismiss(id);
+  if (!job) throw HttpError(404, "no-such-job", "There is no job of that id any more.");
+  return json_reply(status_info(*job, base_url(call)));
+}
+
+Reply Service::job_results(const Call&, const std::string& id) {
+  const Job job = require_job(id);
+  require_results(job);
+  return reply_of(job.outcome, data_.job(id) / job.outcome.at("folder").get<std::string>());
+}
+
+Reply Service::job_output(const Call& call, const std::string& id, const std::string& output) {
+  const Job job = require_job(id);
+  const StoredOutput stored = stored_output(data_, job, output);
+  const auto f = query_value(call, "f");
+  const auto accepted = accepted_media_types(call.accept);
+  if (f || !is_accepted(accepted, stored.description.at("media_type").get<std::string>())) {
+    // Another format is made when somebody wants it.
+    Folder folder(data_.work(random_id()));
+    const Order order{random_id(), "convert", base_url(call), "application/json", call.accept, call.query, 1};
+    write_file(folder.path() / "call.json", to_json(order).dump());
+    write_file(folder.path() / "body",
+               nlohmann::json{{"inputs", {{"surface", {{"href", "/jobs/" + id + "/results/" + output}}}}}}.dump());
+    return run_now(order, folder, [] { return false; });
+  }
+  auto file = std::make_shared<const OpenFile>(stored.file);
+  Reply reply{200, stored.description.at("media_type"), {}, FileBody{file, 0, file->size()}};
+  reply.headers = {{"ETag", etag(stored.description.at("sha256"))},
+                   {"Content-Disposition",
+                    "attachment; filename=\"" + header_text(stored.description.at("file_name").get<std::string>()) +
+                        "\""}};
+  return reply;
+}
+
+/// Server-sent events: `status` whenever something changed, until the job is over.
+Reply Service::job_events(const Call& call, const std::string& id) {
+  require_job(id);
+  if (++streams_ > limits_.streams) {
+    --streams_;
+    throw Error(ErrorKind::busy, "too-many-streams", "Too many clients follow jobs at the moment; ask for the status.");
+  }
+  const std::shared_ptr<void> counted(nullptr, [this](void*) { --streams_; });
+  const StreamBody events = [this, id, base = base_url(call), counted](const auto& write) {
+    std::string last;
+    auto silent_since = std::chrono::steady_clock::now();
+    while (!closing_) {
+      const auto job = jobs_.find(id);
+      if (!job) return;
+      const std::string now = status_info(*job, base).dump();
+      if (now != last) {
+        if (!write("event: status\ndata: " + now + "\n\n")) return;
+        last = now;
+        silent_since = std::chrono::steady_clock::now();
+      }
+      if (is_over(job->status)) return;
+      if (std::chrono::steady_clock::now() - silent_since > event_sign_of_life) {
+        if (!write(": still here\n\n")) return;
+        silent_since = std::chrono::steady_clock::now();
+      }
+      std::this_thread::sleep_for(event_step);
+    }
+  };
+  return {200, "text/event-stream", {{"Cache-Control", "no-store"}}, events};
+}
+
+}  // namespace terrane

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+// Requests that we send because a client named a place. libcurl, because it shows every address before it connects.
+namespace terrane {
+
+class Outbound {
+ public:
+  /// `hosts`: "example.org" or "example.org:8443", the only ones that are spoken to; DEFAULT none. An address that is
+  /// loopback, link-local, private or multicast is refused even then, unless the entry is that address itself.
+  explicit Outbound(std::vector<std::string> hosts) : hosts_(std::move(hosts)) {}
+
+  struct Fetched {
+    std::string media_type, name;  // as declared; the last part of the path
+  };
+  /// GET to a new file of at most `most` bytes. No redirects. Throws Error{usage} "reference-not-allowed", Error{input}
+  /// "reference-failed", Error{limit}, Error{storage_full}.
+  Fetched fetch(const std::string& uri, const std::filesystem::path& to, std::uint64_t most) const;
+
+  /// POST; false when it is not allowed or nobody took it (no 2xx within 10 s).
+  bool post(const std::string& uri, const std::string& media_type, const std::string& body) const;
+
+  /// Whether the place is on the list, before its name is resolved.
+  bool is_allowed(const std::string& uri) const;
+
+ private:
+  std::vector<std::string> hosts_;
+};
+
+/// An address of the machine itself or of a network that is nobody else's business; or no address at all.
+bool is_private_address(const std::string& address);
+
+}  // namespace terrane

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "server/job_store.hpp"
+
+// The little that a store of jobs wants from an SQL database. What SQLite and PostgreSQL understand alike is written
+// once, in job_store.cpp.
+namespace terrane {
+
+using SqlValue = std::variant<std::monostate, std::int64_t, std::string>;
+using SqlRow = std::vector<std::optional<std::string>>;
+
+class SqlDatabase {
+ public:
+  virtual ~SqlDatabase() = default;
+
+  /// Runs one statement with the parameters $1, $2 ...; it is on stable storage when this returns. Where an answer can
+  /// be lost the statement is run again, so doing it twice must be as good as doing it once. Safe to use from several
+  /// threads; throws as JobStore does.
+  virtual std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values) = 0;
+};
+
+inline constexpr int job_schema_version = 1;
+
+/// The statements that make the table terrane_jobs, whose column `number`, the place in the line, is declared so.
+std::string job_schema(std::string_view number);
+
+/// `skip_locked` is what follows a SELECT of rows that others must not get as well, where that has to be said.
+std::unique_ptr<JobStore> make_job_store(std::unique_ptr<SqlDatabase> database, std::string_view skip_locked);
+
+[[noreturn]] void fail_store(const std::string& what);
+[[noreturn]] void fail_store_full(const std::string& what);
+
+}  // namespace terrane

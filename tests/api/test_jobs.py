@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Jobs: submitted, followed, dismissed, kept over a kill, chained; workers that die; results in every wrapping."""
+import http.server
+import json
+import os
+import signal
+import subprocess
+import threading
+import time
+import unittest
+
+from service import File, Service, form, in_background
+from terrains import hills
+
+ASYNC = {"Prefer": "respond-async"}
+LONG = '?crs=local:m&f=obj&max-error=0.0001'  # of hills(700): some seconds
+
+
+def obj(z):
+    return f"v 0 0 {z}\nv 10 0 2\nv 0 10 3\nf 1 2 3\n"
+
+
+PAIR = [("minuend", File("a.obj", obj(1))), ("subtrahend", File("b.obj", obj(4)))]
+SUBTRACT = "?f=obj&crs=local:m"
+
+
+def submit(service, parts=PAIR, operation="subtract", query=SUBTRACT, **headers):
+    return service.post_form(operation, parts, query, {**ASYNC, **headers})
+
+
+def wait_for(service, job, until=("successful", "failed", "dismissed"), timeout=60):
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        status = service.get("/jobs/" + job).json()
+        if status["status"] in until:
+            return status
+        time.sleep(0.05)
+    raise AssertionError(f"still {status}")
+
+
+def workers_of(service):
+    """Processes below the service: the maker of workers and the workers."""
+    listing = subprocess.run(["ps", "-eo", "pid,ppid,comm"], capture_output=True, text=True, check=True).stdout
+    rows = [line.split(None, 2) for line in listing.splitlines()[1:]]
+    makers = [int(p) for p, parent, _ in rows if int(parent) == service.process.pid]
+    return makers, [int(p) for p, parent, _ in rows if int(parent) in makers]
+
+
+class JobsOfOneService(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.service = Service("--threads", "2")
+
+    @classmethod
+    def tearDownClass(cls):
+        assert cls.service.close() == 0
+
+    def test_a_job_from_end_to_end(self):
+        answer = submit(self.service)
+        self.assertEqual(answer.status, 201, answer.body)
+        self.assertEqual(answer.headers["Preference-Applied"], "respond-async")
+        info = answer.json()
+        self.assertTrue(answer.headers["Location"].endswith("/jobs/" + info["jobID"]))
+        self.assertIn(info["status"], ("accepted", "running", "successful"))
+        done = wait_for(self.service, info["jobID"])
+        self.assertEqual((done["status"], done["progress"], done["processID"]), ("successful", 100, "subtract"))
+        self.assertTrue(done["created"] <= done["started"] <= done["finished"] <= done["expires"])
+        self.assertIn("http://www.opengis.net/def/rel/ogc/1.0/results", [link["rel"] for link in done["links"]])
+        result = self.service.get(f"/jobs/{info['jobID']}/results")
+        now = self.service.post_form("subtract", PAIR, SUBTRACT)
+        self.assertEqual((result.status, result.body), (200, now.body))
+        self.assertEqual(result.media_type, now.media_type)
+        surface = self.service.get(f"/jobs/{info['jobID']}/results/surface")
+        self.assertEqual((surface.status, surface.body), (200, now.body))
+        certificate = self.service.get(f"/jobs/{info['jobID']}/results/certificate")
+        self.assertEqual(certificate.json()["type"], "Certificate")
+        ply = self.service.get(f"/jobs/{info['jobID']}/results/surface?f=ply&crs=local:m")
+        self.assertEqual((ply.status, ply.body[:3]), (200, b"ply"))
+
+    def test_what_is_wrong_with_an_order_is_said_at_once(self):
+        for query, status in (("?overlap=no", 400), ("?f=nothing", 400), ("?grid=-1", 400)):
+            self.assertEqual(submit(self.service, query=query).status, status, query)
+        self.assertEqual(submit(self.service, parts=PAIR[:1]).status, 400)
+        self.assertEqual(submit(self.service, operation="nothing").status, 404)
+
+    def test_what_is_wrong_with_an_input_fails_the_job(self):
+        job = submit(self.service, [("minuend", File("a.obj", "v 0 0\n")), PAIR[1]]).json()["jobID"]
+        status = wait_for(self.service, job)
+        self.assertEqual(status["status"], "failed")
+        self.assertIn("a.obj", status["message"])
+        results = self.service.get(f"/jobs/{job}/results")
+        self.assertEqual((results.status, results.media_type), (422, "application/problem+json"))
+
+    def test_unknown_jobs_and_outputs(self):
+        for path in ("/jobs/nothing", "/jobs/" + 32 * "0", f"/jobs/{32 * '0'}/results", "/jobs/..%2f..%2fetc"):
+            answer = self.service.get(path)
+            self.assertEqual(answer.status, 404)
+            self.assertIn(answer.json()["type"].rsplit("/", 1)[1], ("no-such-job", "no-such-page"))
+        job = submit(self.service).json()["jobID"]
+        wait_for(self.service, job)
+        self.assertEqual(self.service.get(f"/jobs/{job}/results/nothing").status, 404)
+        self.assertEqual(self.service.get(f"/jobs/{job}/results/..%2fbody").status, 404)
+
+    def test_results_are_not_there_before_the_end(self):
+        job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
+        wait_for(self.service, job, ("running",))
+        early = self.service.get(f"/jobs/{job}/results")
+        self.assertEqual(early.status, 404)
+        self.assertTrue(early.json()["type"].endswith("/result-not-ready"))
+        started = time.monotonic()
+        dismissed = self.service.request("DELETE", "/jobs/" + job)
+        self.assertEqual((dismissed.status, dismissed.json()["status"]), (200, "dismissed"))
+        while workers_of(self.service)[1] and time.monotonic() - started < 5:
+            time.sleep(0.02)
+        self.assertLess(time.monotonic() - started, 1.5, "the work goes on")
+        self.assertEqual(self.service.get("/jobs/" + job).json()["status"], "dismissed")
+        self.assertEqual(self.service.get(f"/jobs/{job}/results").status, 410)
+        self.assertEqual(self.service.request("DELETE", "/jobs/" + job).status, 200)
+        self.assertEqual(self.service.get("/jobs/" + job).status, 404)
+
+    def test_the_list_is_filtered_and_paged(self):
+        ids = [submit(self.service).json()["jobID"] for _ in range(5)]
+        for job in ids:
+            wait_for(self.service, job)
+        page = self.service.get("/jobs?limit=2").json()
+        self.assertEqual((len(page["jobs"]), page["numberReturned"]), (2, 2))
+        seen, path = [], "/jobs?limit=2&processID=subtract&status=successful"
+        while path:
+            page = self.service.get(path).json()
+            seen += [job["jobID"] for job in page["jobs"]]
+            following = [link["href"] for link in page["links"] if link["rel"] == "next"]
+            path = following[0][following[0].index("/jobs"):] if following else None
+        self.assertEqual(len(seen), len(set(seen)))
+        self.assertLessEqual(set(ids), set(seen))
+        self.assertEqual(self.service.get("/jobs?processID=merge,add").json()["jobs"], [])
+        self.assertEqual(self.service.get("/jobs?minDuration=1000").json()["jobs"], [])
+        self.assertEqual(self.service.get("/jobs?datetime=../2001-01-01T00:00:00Z").json()["jobs"], [])
+        self.assertTrue(self.service.get("/jobs?datetime=2001-01-01T00:00:00Z/..").json()["jobs"])
+        for query in ("limit=0", "limit=x", "status=gone", "datetime=yesterday", "minDuration=-1", "colour=red"):
+            self.assertEqual(self.service.get("/jobs?" + query).status, 400, query)
+
+    def test_an_idempotency_key_stands_for_one_request(self):
+        key = {"Idempotency-Key": "k-" + os.urandom(4).hex()}
+        first, again = submit(self.service, **key), None
+        # The boundary is part of a form: the same request is the same bytes.
+        content_type, body = form(PAIR)
+        headers = {"Content-Type": content_type, **ASYNC, "Idempotency-Key": "x" + key["Idempotency-Key"]}
+        path = "/processes/subtract/execution" + SUBTRACT
+        first = self.service.request("POST", path, body, headers)
+        again = self.service.request("POST", path, body, headers)
+        self.assertEqual((first.status, again.status), (201, 201))
+        self.assertEqual(first.json()["jobID"], again.json()["jobID"])
+        other = self.service.request("POST", path + "&grid=0.1", body, headers)
+        self.assertEqual(other.status, 422)
+        self.assertTrue(other.json()["type"].endswith("idempotency-key-reused"))
+
+    def test_uploads_and_results_are_inputs(self):
+        uploaded = self.service.request("POST", "/uploads?name=a.obj", obj(1), {"Content-Type": "model/obj"})
+        self.assertEqual(uploaded.status, 201, uploaded.body)
+        href = uploaded.json()["href"]
+        job = submit(self.service).json()["jobID"]
+        wait_for(self.service, job)
+        request = {"inputs": {"minuend": {"href": href}, "subtrahend": {"href": f"/jobs/{job}/results/surface"},
+                              "crs": "local:m"}}
+        answer = self.service.post_json("subtract", request, "?f=obj")
+        self.assertEqual(answer.status, 200, answer.body)
+        later = self.service.post_json("subtract", request, "?f=obj", ASYNC)
+        self.assertEqual(later.status, 201, later.body)
+        self.service.request("DELETE", "/jobs/" + job)  # what was ordered keeps its inputs
+        done = later.json()["jobID"]
+        self.assertEqual(wait_for(self.service, done)["status"], "successful")
+        self.assertEqual(self.service.get(f"/jobs/{done}/results").body, answer.body)
+        for bad in ("/uploads/" + 32 * "0", "/jobs/x", "/etc/passwd", "file:///etc/passwd", "http://127.0.0.1:1/x",
+                    "/jobs/../../etc/passwd", "//example.org/x", "ftp://example.org/x", ""):
+            request["inputs"]["minuend"] = {"href": bad}
+            answer = self.service.post_json("subtract", request, "?f=obj")
+            self.assertIn(answer.status, (400, 422), bad)
+
+    def test_results_in_every_wrapping(self):
+        inputs = {"minuend": {"value": obj(1), "mediaType": "model/obj"},
+                  "subtrahend": {"value": obj(4), "mediaType": "model/obj"}, "crs": "local:m"}
+
+        def ask(response, **modes):
+            return self.service.post_json("subtract", {
+                "inputs": inputs, "response": response,
+                "outputs": {name: {"transmissionMode": mode} for name, mode in modes.items()}})
+        one = ask("raw", surface="value")
+        self.assertEqual(one.status, 200)
+        several = ask("raw", surface="value", certificate="value")
+        self.assertEqual(several.status, 200)
+        self.assertTrue(several.media_type.startswith("multipart/related; boundary="))
+        boundary = several.media_type.split("=")[1].encode()
+        parts = several.body.split(b"--" + boundary)
+        self.assertEqual((len(parts), parts[0], parts[-1]), (4, b"", b"--\r\n"))
+        self.assertIn(one.body, parts[1])
+        mixed = ask("raw", surface="reference", certificate="value")
+        place = [line for line in mixed.body.split(b"\r\n") if line.startswith(b"Content-Location: ")][0].decode()
+        path = place[place.index("/jobs"):]
+        self.assertEqual(self.service.get(path).body, one.body)
+        by_reference = ask("raw", surface="reference")
+        self.assertEqual((by_reference.status, by_reference.body), (204, b""))
+        link = by_reference.headers["Link"]
+        path = link[link.index("/jobs"):link.index(">")]
+        self.assertEqual(self.service.get(path).body, one.body)
+        document = ask("document", surface="reference", certificate="value").json()
+        href = document["surface"]["href"]
+        self.assertEqual(self.service.get(href[href.index("/jobs"):]).body, one.body)
+        self.assertEqual(document["certificate"]["value"]["type"], "Certificate")
+
+    def test_events_tell_every_step(self):
+        job = submit(self.service, [("dem", File("h.asc", hills(300)))], "triangulate", LONG).json()["jobID"]
+        events = self.service.get(f"/jobs/{job}/events")
+        self.assertEqual((events.status, events.media_type), (200, "text/event-stream"))
+        told = [json.loads(line[6:]) for line in events.body.decode().splitlines() if line.startswith("data: ")]
+        self.assertEqual(told[-1]["status"], "successful")
+        progress = [event["progress"] for event in told]
+        self.assertEqual(progress, sorted(progress))
+
+    def test_a_worker_that_dies_is_a_failed_job(self):
+        job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
+        wait_for(self.service, job, ("running",))
+        deadline = time.monotonic() + 10
+        while not (workers := workers_of(self.service)[1]) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        os.kill(workers[0], signal.SIGSEGV)
+        self.assertEqual(wait_for(self.service, job)["status"], "failed")
+        self.assertEqual(self.service.get(f"/jobs/{job}/results").status, 500)
+        makers, _ = workers_of(self.service)
+        os.kill(makers[0], signal.SIGKILL)
+        time.sleep(0.2)
+        self.assertEqual(self.service.post_form("subtract", PAIR, SUBTRACT).status, 200, "another maker is started")
+
+    def test_workers_are_confined(self):
+        in_background(lambda: self.service.post_form("triangulate", [("dem", File("h.asc", hills(900)))], LONG))
+        deadline = time.monotonic() + 10
+        while not (workers := workers_of(self.service)[1]) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        with open(f"/proc/{workers[0]}/status", encoding="ascii") as status:
+            fields = dict(line.rstrip("\n").split(":\t", 1) for line in status if ":\t" in line)
+        self.assertNotEqual(fields["Uid"].split("\t")[1], "0")
+        self.assertEqual((fields["NoNewPrivs"], fields["Seccomp"]), ("1", "2"))
+        with open(f"/proc/{workers[0]}/limits", encoding="ascii") as limits:
+            self.assertNotIn("unlimited", [line.split()[3] for line in limits if line.startswith("Max address space")])
+
+
+class Kills(unittest.TestCase):
+    def test_jobs_survive_a_kill(self):
+        service = Service()
+        jobs = [submit(service, [("dem", File("h.asc", hills(300)))], "triangulate", LONG).json()["jobID"]
+                for _ in range(4)]
+        wait_for(service, jobs[0], ("running", "successful"))
+        service.kill()
+        service.start()
+        done = [wait_for(service, job) for job in jobs]
+        self.assertEqual([status["status"] for status in done], 4 * ["successful"])
+        bodies = {service.get(f"/jobs/{job}/results").body for job in jobs}
+        self.assertEqual(len(bodies), 1)
+        self.assertEqual(service.close(), 0)
+
+    def test_a_stop_hands_running_jobs_back(self):
+        service = Service()
+        job = submit(service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
+        wait_for(service, job, ("running",))
+        self.assertEqual(service.stop(), 0)
+        service.start()
+        self.assertEqual(wait_for(service, job)["status"], "successful")
+        self.assertEqual(service.close(), 0)
+
+
+class Callbacks(unittest.TestCase):
+    def test_a_subscriber_gets_the_results(self):
+        told = {}
+
+        class Listener(http.server.BaseHTTPRequestHandler):
+            def do_POST(self):
+                told[self.path] = self.rfile.read(int(self.headers["Content-Length"]))
+                self.send_response(200)
+                self.end_headers()
+
+            def log_message(self, *_):
+                pass
+        listener = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Listener)
+        threading.Thread(target=listener.serve_forever, daemon=True).start()
+        place = f"127.0.0.1:{listener.server_port}"
+        for allowed in (True, False):
+            told.clear()
+            service = Service(*(["--allow-hosts", place] if allowed else []))
+            request = {"inputs": {"minuend": {"value": obj(1), "mediaType": "model/obj"},
+                                  "subtrahend": {"value": obj(4), "mediaType": "model/obj"}, "crs": "local:m"},
+                       "subscriber": {"successUri": f"http://{place}/done", "failedUri": f"http://{place}/failed",
+                                      "inProgressUri": f"http://{place}/begun"}}
+            job = service.post_json("subtract", request, "?f=obj", ASYNC).json()["jobID"]
+            wait_for(service, job)
+            end = time.monotonic() + 5
+            while allowed and len(told) < 2 and time.monotonic() < end:
+                time.sleep(0.05)
+            result = service.get(f"/jobs/{job}/results").body
+            if allowed:
+                self.assertEqual(told["/done"], result)
+                self.assertEqual(json.loads(told["/begun"])["jobID"], job)
+            self.assertEqual(set(told), {"/begun", "/done"} if allowed else set())
+            self.assertEqual(service.close(), 0)
+        listener.shutdown()
+        listener.server_close()
+
+
+if __name__ == "__main__":
+    unittest.main()
