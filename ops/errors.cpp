@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ops/errors.hpp"
 
+#include <cerrno>
 #include <new>
+#include <system_error>
 
 namespace terrane {
 namespace {
@@ -56,6 +58,9 @@ Error as_error(const std::exception& exception) {
   if (const auto* ours = dynamic_cast<const Error*>(&exception)) return *ours;
   if (dynamic_cast<const std::bad_alloc*>(&exception))
     return {ErrorKind::limit, "out-of-memory", "the work needs more memory than there is; use fewer or smaller inputs"};
+  if (const auto* system = dynamic_cast<const std::system_error*>(&exception))
+    if (system->code() == std::errc::no_space_on_device || system->code().value() == EDQUOT)
+      return {ErrorKind::storage_full, "storage-full", "There is no room left for this; send it again when there is."};
   return {ErrorKind::internal, "internal", exception.what()};
 }
 

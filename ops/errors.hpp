@@ -16,7 +16,7 @@ int exit_code(ErrorKind kind);  // 2 usage or parameter, 3 input data, 4 limit, 
 /// RFC 7807: type (".../problems/no-overlap"), title, status, detail. What is our fault says nothing of its inside.
 nlohmann::json problem(const Error& error);
 
-/// Any exception as an Error: ours as they are, bad_alloc as a limit, everything else internal.
+/// Any exception as an Error: ours as they are, bad_alloc as a limit, a full disk as such, everything else internal.
 Error as_error(const std::exception& exception);
 
 }  // namespace terrane

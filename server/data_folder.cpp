@@ -25,7 +25,7 @@ constexpr off_t reserve_size = 4 << 20;
 [[noreturn]] void fail(int error, const fs::path& path) {
   if (error == ENOSPC || error == EDQUOT || error == EFBIG)
     throw Error(ErrorKind::storage_full, "storage-full",
-                "There is no room left for this on the server; send it again when there is.");
+                "There is no room left for this; send it again when there is.");
   throw Error(ErrorKind::internal, "storage-failed", path.string() + ": " + std::strerror(error));
 }
 

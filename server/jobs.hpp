@@ -26,7 +26,7 @@ struct JobLimits {
   std::int64_t expiry_ms = 86'400'000;     // how long a job that is over is kept
   std::size_t max_waiting = 1000;          // accepted and not begun
   int runners = 1;
-  int max_attempts = 5;                    // by servers that were lost meanwhile
+  int max_attempts = 100;                  // by servers that were lost meanwhile: not its fault, but no end either
   std::int64_t lost_after_ms = 30'000;     // without a sign of life
 };
 

@@ -55,11 +55,11 @@ def form(parts):
 class Service:
     """Starts the program on a free port; `close` stops it and returns its exit code."""
 
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, data=None):
         # A file takes standard error, so that a chatty service cannot block on a full pipe.
         self.log = tempfile.TemporaryFile()
-        self.data = tempfile.TemporaryDirectory()
-        self.command = [TERRANE, "serve", "--port", str(free_port()), "--data", self.data.name, *arguments]
+        self.data = None if data else tempfile.TemporaryDirectory()
+        self.command = [TERRANE, "serve", "--port", str(free_port()), "--data", data or self.data.name, *arguments]
         self.start()
 
     def start(self):
@@ -134,7 +134,8 @@ class Service:
     def close(self, signal_number=signal.SIGTERM, timeout=15):
         code = self.stop(signal_number, timeout)
         self.log.close()
-        self.data.cleanup()
+        if self.data:
+            self.data.cleanup()
         return code
 
 
