@@ -236,45 +236,49 @@ void Audit::split_touched(const BorderReport& border) {
 }
 
 /// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one to
-/// the other.
+/// the other; or when the faces on them do not hang together around the place: then parts of the surface meet there in a
+/// point, along no line, as tiles of a merge do that touch in one corner.
 void Audit::find_two_heights() {
   const auto n = static_cast<Index>(tin_.vertices.size());
   Index alone = 0;
   while (alone < n && topology_.place[alone] == alone) ++alone;
   if (alone == n) return;
   std::vector<bool> tall(n, false);
-  std::vector<Index> root(n, none);  // of used vertices
+  std::vector<Index> root(n, none);  // of used vertices: by jumps
+  std::vector<Index> fan(n, none);   // of used vertices: by faces that share an edge
   for (std::size_t f = 0; f < tin_.faces.size(); ++f)
     if (topology_.turn[f] != Turn::flat)
       for (const Index v : tin_.faces[f]) {
-        root[v] = v;
+        root[v] = fan[v] = v;
         const Index place = topology_.place[v];
         if (place != v) tall[place] = true;
       }
-  const auto find = [&](Index v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
+  const auto find = [](std::vector<Index>& up, Index v) {
+    while (up[v] != v) v = up[v] = up[up[v]];
     return v;
   };
-  const auto join = [&](Index a, Index b) {
-    if (a != b && topology_.place[a] == topology_.place[b]) root[find(a)] = find(b);
+  const auto join = [&](std::vector<Index>& up, Index a, Index b) {
+    if (a != b && topology_.place[a] == topology_.place[b]) up[find(up, a)] = find(up, b);
   };
   for (Index h = 0; h < static_cast<Index>(topology_.mate.size()); ++h) {
     const Index m = topology_.mate[h];
-    if (topology_.turn[h / 3] == Turn::wall) join(tin_.faces[h / 3][h % 3], tin_.faces[h / 3][(h + 1) % 3]);
+    if (topology_.turn[h / 3] == Turn::wall) join(root, tin_.faces[h / 3][h % 3], tin_.faces[h / 3][(h + 1) % 3]);
     if (m < h) continue;
     // A jump is a line, not a point: an open edge joins heights only when both its ends have two.
     const Index from[2] = {topology_.from(tin_, h), topology_.to(tin_, m)};
     const Index to[2] = {topology_.to(tin_, h), topology_.from(tin_, m)};
+    join(fan, from[0], from[1]);
+    join(fan, to[0], to[1]);
     if (from[0] == from[1] || to[0] == to[1]) continue;
-    join(from[0], from[1]);
-    join(to[0], to[1]);
+    join(root, from[0], from[1]);
+    join(root, to[0], to[1]);
   }
-  std::map<Index, Index> first;  // per place with several vertices: one of them
+  std::map<Index, Index> first;  // per fan at a place with several vertices: one of them
   std::size_t count = 0;
   for (Index v = 0; v < static_cast<Index>(root.size()); ++v) {
     if (root[v] == none || !tall[topology_.place[v]]) continue;
-    const auto [other, fresh] = first.emplace(topology_.place[v], v);
-    if (fresh || find(other->second) == find(v)) continue;
+    const auto [other, fresh] = first.emplace(find(fan, v), v);
+    if (fresh || find(root, other->second) == find(root, v)) continue;
     note(fatal_, count++, "two-heights", "vertices " + std::to_string(other->second) + " and " + std::to_string(v),
          "are two heights at " + place_of(v) + " that no wall and no jump along an edge joins");
   }

@@ -53,6 +53,14 @@ std::vector<double> heights(const Response& response) {
   return list;
 }
 
+// What touches in one corner has two heights there and no line for a wall: the result is a surface like any other.
+TEST(MergeOperation, TilesThatTouchInACornerCanBeWorkedOn) {
+  const Response merged = run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(2, 2, 2, 9), "b")});
+  EXPECT_EQ(heights(merged), (std::vector<double>{1, 9}));
+  EXPECT_EQ(run("convert", {{"surface", "m", "", merged.body}}, {}, "obj").body,
+            run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(2, 2, 2, 9), "b")}, {}, "obj").body);
+}
+
 TEST(MergeOperation, MedianIsCertified) {
   const Response r =
       run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(0, 0, 2, 9), "b"), tile(square(0, 0, 2, 4), "c")},
