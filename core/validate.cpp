@@ -334,7 +334,7 @@ std::string remedy(const std::string& code) {
   throw Error(ErrorKind::input, fatal.front().code, text + ". " + remedy(fatal.front().code));
 }
 
-/// One warning per kind, naming the first element.
+/// One warning per kind, with the first element.
 void warn_of_mends(const std::string& name, const Audit& audit, Context& context) {
   const Mending& m = audit.mending();
   const std::map<std::string, std::pair<std::size_t, const char*>> kinds = {
@@ -343,14 +343,14 @@ void warn_of_mends(const std::string& name, const Audit& audit, Context& context
       {"unused-vertex", {m.unused_vertices, "vertices that belong to no face were dropped"}},
       {"zero-area-face", {m.zero_area_faces, "faces without area were dropped"}},
       {"clockwise-face", {m.clockwise_faces, "clockwise faces were turned"}},
-      {"t-junction", {m.t_junctions, "vertices in the middle of an edge of another face: that face was split"}}};
+      {"t-junction", {m.t_junctions, "vertices lay in the middle of an edge of another face, which was split"}}};
   std::string last;
   for (const Defect& defect : audit.mended()) {
     if (defect.code == last) continue;
     last = defect.code;
     const auto& [count, what] = kinds.at(defect.code);
-    context.warn({"mended", name, defect.element, std::to_string(count) + " " + what + "; the first: " + defect.element,
-                  "None is needed; correct the file to be rid of this warning."});
+    context.warn({"mended", name, defect.element, std::to_string(count) + " " + what,
+                  "correct the file to be rid of this warning"});
   }
 }
 
