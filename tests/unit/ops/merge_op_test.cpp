@@ -151,6 +151,14 @@ TEST(SeamsOperation, LinesHaveTheirJumps) {
                                                    {"length", 1.0}}));
 }
 
+TEST(SeamsOperation, NoJumpIsMinusZero) {
+  const std::string tilted = R"({"type":"TIN","crs":"local:m","triangles":[[0,1,4],[1,2,4],[2,3,4]],
+                                 "vertices":[[2,0,-1],[4,0,-1],[4,2,1],[2,2,1],[2,1,0]]})";
+  const Response r = run("seams", {tile(square(0, 0, 2, 0), "a"), tile(tilted, "b")}, {}, "geojson");
+  EXPECT_EQ(nlohmann::json::parse(r.body)["features"].size(), 2u);
+  EXPECT_EQ(r.body.find("-0.0"), std::string::npos) << r.body;
+}
+
 TEST(SeamsOperation, ATileAloneHasNone) {
   EXPECT_TRUE(run("seams", {tile(square(0, 0, 2, 1), "a")}).report["pairs"].empty());
   EXPECT_TRUE(
