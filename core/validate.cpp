@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "core/mend.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
+#include "core/shortest.hpp"
 #include "core/topology.hpp"
 
 namespace terrane {
@@ -82,9 +82,7 @@ class Audit {
 };
 
 std::string Audit::place_of(Index vertex) const {
-  char text[80];
-  std::snprintf(text, sizeof text, "(%.17g, %.17g)", tin_.vertices[vertex].x, tin_.vertices[vertex].y);
-  return text;
+  return "(" + shortest(tin_.vertices[vertex].x) + ", " + shortest(tin_.vertices[vertex].y) + ")";
 }
 
 std::array<Point2, 3> Audit::in_plan(Index face) const {

@@ -145,6 +145,15 @@ TEST(FindDefects, AWallIsLegal) {
   EXPECT_EQ(inspect(tin).walls, 2u);
 }
 
+TEST(FindDefects, PlacesAreWrittenAsPeopleWriteThem) {
+  Tin tin = square(500000, 0.1);
+  tin.vertices.push_back(tin.vertices[0]);
+  tin.faces[1][0] = 4;
+  const auto defects = find_defects(tin);
+  ASSERT_EQ(defects.size(), 1u);
+  EXPECT_EQ(defects[0].message, "are the same point (500000, 0.1)");
+}
+
 // Two squares that meet in one corner only, as merge and threshold return them: no line, so no jump and no wall.
 TEST(FindDefects, TwoHeightsAtAPinchAreLegal) {
   Tin tin = square(0, 0, 1, 0);
