@@ -11,8 +11,9 @@ namespace terrane {
 namespace {
 
 bool is_boolean(const Operation& operation, const std::string& name) {
-  return std::any_of(operation.parameters.begin(), operation.parameters.end(),
-                     [&](const Parameter& p) { return p.name == name && p.type == Parameter::Type::boolean; });
+  const auto says_so = [&](const Parameter& p) { return p.name == name && p.type == Parameter::Type::boolean; };
+  return std::any_of(operation.parameters.begin(), operation.parameters.end(), says_so) ||
+         std::any_of(common_parameters().begin(), common_parameters().end(), says_so);
 }
 
 /// A word that starts a flag: "-o", "--seam", "--seam=wall", but not "-", "-5" or "-5ft".

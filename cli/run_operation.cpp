@@ -86,9 +86,12 @@ void read_vector_files(const Operation& operation, Request& request) {
 }
 
 void print_warnings(const std::vector<Warning>& warnings) {
-  for (const Warning& w : warnings)
-    std::fprintf(stderr, "warning: %s%s%s%s%s\n", w.message.c_str(), w.element.empty() ? "" : " (", w.element.c_str(),
-                 w.element.empty() ? "" : ")", w.remedy.empty() ? "" : ("; " + w.remedy).c_str());
+  for (const Warning& w : warnings) {
+    const auto said = [&](const std::string& what) { return w.message.find(what) != std::string::npos; };
+    std::fprintf(stderr, "warning: %s%s%s%s%s\n", said(w.input) ? "" : (w.input + ": ").c_str(), w.message.c_str(),
+                 said(w.element) ? "" : (" (" + w.element + ")").c_str(), w.remedy.empty() ? "" : "; ",
+                 w.remedy.c_str());
+  }
 }
 
 /// Has the big arrays of one stage lie where those of the stage before did, whichever thread asks for them: the first

@@ -2,7 +2,6 @@
 #include "core/level_cuts.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "core/error.hpp"
 #include "core/mosaic.hpp"
 #include "core/predicates.hpp"
+#include "core/shortest.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
@@ -340,11 +340,6 @@ LevelPieces Cutter::run(Context& context) {
   std::fill(zoned.constructed.begin() + first_made_, zoned.constructed.end(), 1);
   result.surface = std::move(surface_);
   return result;
-}
-
-std::string shortest(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
 /// Levels the surface reaches must be as far apart as heights that stay apart, or their crossings might not.

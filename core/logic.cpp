@@ -2,7 +2,6 @@
 #include "core/logic.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <tuple>
 #include <vector>
@@ -11,17 +10,13 @@
 #include "core/corner_heights.hpp"
 #include "core/error.hpp"
 #include "core/level_cuts.hpp"
+#include "core/shortest.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
 
 constexpr double steep = 572.9572133543032;  // the tangent of 89.9 degrees
-
-std::string shortest(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
-}
 
 bool one_height(double a, double b) { return std::fabs(a - b) <= std::max(rounding_jump(a), rounding_jump(b)); }
 

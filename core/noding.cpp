@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "core/predicates.hpp"
 #include "core/rounding.hpp"
+#include "core/shortest.hpp"
 
 namespace terrane {
 namespace {
@@ -190,7 +191,7 @@ Noded node_edges(std::vector<Point2> points, std::vector<NodedEdge> edges, const
   }
   throw Error(
       ErrorKind::input, "rounding",
-      "near " + std::to_string(last.x) + ", " + std::to_string(last.y) +
+      "near " + shortest(last.x) + ", " + shortest(last.y) +
           " edges cross so near to each other that doubles cannot tell the crossings apart; simplify them there");
 }
 

@@ -2,7 +2,6 @@
 #include "core/plan_grid.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -12,17 +11,13 @@
 #include "core/grid_heights.hpp"
 #include "core/predicates.hpp"
 #include "core/rounding.hpp"
+#include "core/shortest.hpp"
 #include "core/sum.hpp"
 #include "core/triangle_height.hpp"
 #include "core/walls.hpp"
 
 namespace terrane {
 namespace {
-
-std::string shortest(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
-}
 
 double area_in_plan(const Array<Point2>& points, const Array<Face>& faces) {
   Sum area;

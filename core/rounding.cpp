@@ -14,6 +14,7 @@
 #include "core/lost_vertices.hpp"
 #include "core/mesh_editor.hpp"
 #include "core/predicates.hpp"
+#include "core/shortest.hpp"
 
 namespace terrane {
 namespace {
@@ -214,7 +215,7 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
       const Point2 at = mesh.points[mesh.faces[left[0]][0]];
       throw Error(
           ErrorKind::input, "rounding",
-          "near " + std::to_string(at.x) + ", " + std::to_string(at.y) +
+          "near " + shortest(at.x) + ", " + shortest(at.y) +
               " the surfaces come closer to each other than doubles can tell apart, and " +
               std::to_string(left.size()) +
               " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");

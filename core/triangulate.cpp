@@ -2,23 +2,18 @@
 #include "core/triangulate.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "core/error.hpp"
+#include "core/shortest.hpp"
 #include "core/triangulate_greedy.hpp"
 #include "core/triangulate_grid.hpp"
 
 namespace terrane {
 
 namespace {
-
-std::string shortest(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 void check_heights(const Raster& dem) {
   const auto wrong =

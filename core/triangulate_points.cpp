@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
-#include <sstream>
 #include <tuple>
 #include <unordered_map>
 
 #include "core/error.hpp"
 #include "core/hilbert.hpp"
 #include "core/mend.hpp"
+#include "core/shortest.hpp"
 
 namespace terrane {
 namespace {
@@ -36,21 +36,20 @@ bool same_place(const Point& a, const Point& b) { return a.x == b.x && a.y == b.
 class Contradictions {
  public:
   void add(const Point& p, double z) {
-    if (count_++ < 20) {
-      text_.precision(17);
-      text_ << (count_ > 1 ? "; " : "") << p.x << " " << p.y << " (" << p.z << " and " << z << ")";
-    }
+    if (count_++ < 20)
+      text_ += (count_ > 1 ? "; " : "") + shortest(p.x) + " " + shortest(p.y) + " (" + shortest(p.z) + " and " +
+               shortest(z) + ")";
   }
   void refuse_any(const char* what) const {
     if (count_ > 0)
       throw Error(ErrorKind::input, "different-heights",
-                  std::string(what) + " at " + std::to_string(count_) + " places: " + text_.str() +
+                  std::string(what) + " at " + std::to_string(count_) + " places: " + text_ +
                       (count_ > 20 ? "; ..." : "") + "; correct them, or ask for their mean with duplicates=mean");
   }
 
  private:
   std::size_t count_ = 0;
-  std::ostringstream text_;
+  std::string text_;
 };
 
 class Surveyor {
@@ -100,9 +99,9 @@ class Surveyor {
         if (!std::isnan(points[i].z)) sum += points[i].z, ++heights;
       Point p = points[first];
       if (heights == 0)
-        throw Error(ErrorKind::input, "no-height",
-                    "a corner of a breakline has no height, and no point lies there: " + std::to_string(p.x) + " " +
-                        std::to_string(p.y));
+        throw Error(
+            ErrorKind::input, "no-height",
+            "a corner of a breakline has no height, and no point lies there: " + shortest(p.x) + " " + shortest(p.y));
       const double highest = points[first + heights - 1].z;
       if (highest - p.z > height_rounding(p.z)) {
         if (!options_.average) contradictions.add(p, highest);

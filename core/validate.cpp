@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "core/mend.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
+#include "core/shortest.hpp"
 #include "core/topology.hpp"
 
 namespace terrane {
@@ -82,9 +82,7 @@ class Audit {
 };
 
 std::string Audit::place_of(Index vertex) const {
-  char text[80];
-  std::snprintf(text, sizeof text, "(%.17g, %.17g)", tin_.vertices[vertex].x, tin_.vertices[vertex].y);
-  return text;
+  return "(" + shortest(tin_.vertices[vertex].x) + ", " + shortest(tin_.vertices[vertex].y) + ")";
 }
 
 std::array<Point2, 3> Audit::in_plan(Index face) const {
@@ -236,45 +234,49 @@ void Audit::split_touched(const BorderReport& border) {
 }
 
 /// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one to
-/// the other.
+/// the other; or when the faces on them do not hang together around the place: then parts of the surface meet there in a
+/// point, along no line, as tiles of a merge do that touch in one corner.
 void Audit::find_two_heights() {
   const auto n = static_cast<Index>(tin_.vertices.size());
   Index alone = 0;
   while (alone < n && topology_.place[alone] == alone) ++alone;
   if (alone == n) return;
   std::vector<bool> tall(n, false);
-  std::vector<Index> root(n, none);  // of used vertices
+  std::vector<Index> root(n, none);  // of used vertices: by jumps
+  std::vector<Index> fan(n, none);   // of used vertices: by faces that share an edge
   for (std::size_t f = 0; f < tin_.faces.size(); ++f)
     if (topology_.turn[f] != Turn::flat)
       for (const Index v : tin_.faces[f]) {
-        root[v] = v;
+        root[v] = fan[v] = v;
         const Index place = topology_.place[v];
         if (place != v) tall[place] = true;
       }
-  const auto find = [&](Index v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
+  const auto find = [](std::vector<Index>& up, Index v) {
+    while (up[v] != v) v = up[v] = up[up[v]];
     return v;
   };
-  const auto join = [&](Index a, Index b) {
-    if (a != b && topology_.place[a] == topology_.place[b]) root[find(a)] = find(b);
+  const auto join = [&](std::vector<Index>& up, Index a, Index b) {
+    if (a != b && topology_.place[a] == topology_.place[b]) up[find(up, a)] = find(up, b);
   };
   for (Index h = 0; h < static_cast<Index>(topology_.mate.size()); ++h) {
     const Index m = topology_.mate[h];
-    if (topology_.turn[h / 3] == Turn::wall) join(tin_.faces[h / 3][h % 3], tin_.faces[h / 3][(h + 1) % 3]);
+    if (topology_.turn[h / 3] == Turn::wall) join(root, tin_.faces[h / 3][h % 3], tin_.faces[h / 3][(h + 1) % 3]);
     if (m < h) continue;
     // A jump is a line, not a point: an open edge joins heights only when both its ends have two.
     const Index from[2] = {topology_.from(tin_, h), topology_.to(tin_, m)};
     const Index to[2] = {topology_.to(tin_, h), topology_.from(tin_, m)};
+    join(fan, from[0], from[1]);
+    join(fan, to[0], to[1]);
     if (from[0] == from[1] || to[0] == to[1]) continue;
-    join(from[0], from[1]);
-    join(to[0], to[1]);
+    join(root, from[0], from[1]);
+    join(root, to[0], to[1]);
   }
-  std::map<Index, Index> first;  // per place with several vertices: one of them
+  std::map<Index, Index> first;  // per fan at a place with several vertices: one of them
   std::size_t count = 0;
   for (Index v = 0; v < static_cast<Index>(root.size()); ++v) {
     if (root[v] == none || !tall[topology_.place[v]]) continue;
-    const auto [other, fresh] = first.emplace(topology_.place[v], v);
-    if (fresh || find(other->second) == find(v)) continue;
+    const auto [other, fresh] = first.emplace(find(fan, v), v);
+    if (fresh || find(root, other->second) == find(root, v)) continue;
     note(fatal_, count++, "two-heights", "vertices " + std::to_string(other->second) + " and " + std::to_string(v),
          "are two heights at " + place_of(v) + " that no wall and no jump along an edge joins");
   }
@@ -330,7 +332,7 @@ std::string remedy(const std::string& code) {
   throw Error(ErrorKind::input, fatal.front().code, text + ". " + remedy(fatal.front().code));
 }
 
-/// One warning per kind, naming the first element.
+/// One warning per kind, with the first element.
 void warn_of_mends(const std::string& name, const Audit& audit, Context& context) {
   const Mending& m = audit.mending();
   const std::map<std::string, std::pair<std::size_t, const char*>> kinds = {
@@ -339,14 +341,14 @@ void warn_of_mends(const std::string& name, const Audit& audit, Context& context
       {"unused-vertex", {m.unused_vertices, "vertices that belong to no face were dropped"}},
       {"zero-area-face", {m.zero_area_faces, "faces without area were dropped"}},
       {"clockwise-face", {m.clockwise_faces, "clockwise faces were turned"}},
-      {"t-junction", {m.t_junctions, "vertices in the middle of an edge of another face: that face was split"}}};
+      {"t-junction", {m.t_junctions, "vertices lay in the middle of an edge of another face, which was split"}}};
   std::string last;
   for (const Defect& defect : audit.mended()) {
     if (defect.code == last) continue;
     last = defect.code;
     const auto& [count, what] = kinds.at(defect.code);
-    context.warn({"mended", name, defect.element, std::to_string(count) + " " + what + "; the first: " + defect.element,
-                  "None is needed; correct the file to be rid of this warning."});
+    context.warn({"mended", name, defect.element, std::to_string(count) + " " + what,
+                  "correct the file to be rid of this warning"});
   }
 }
 

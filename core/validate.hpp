@@ -37,7 +37,8 @@ struct Mending {
 /// input): duplicate points of equal height, duplicate faces, unused vertices, zero-area faces that are not walls, mixed
 /// orientation, border vertices in the middle of another face's edge (that face is split).
 /// Throws Error{input} listing up to 20 of: NaN or infinity, index out of range, overlapping faces, two heights at one
-/// point without a wall or an open jump (along an edge both ends of which have two), edges with three faces.
+/// point of faces that hang together there, without a wall or an open jump (along an edge both ends of which have two),
+/// edges with three faces.
 Tin checked(Tin tin, const std::string& name, Context& context, Mending* mending = nullptr);
 
 /// Counts on a TIN as it is, for the certificate and `info`. Never throws. Walls are counted apart and belong to no other count.

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
+#include "core/shortest.hpp"
 #include "io/geodesy_osr.hpp"
 
 // Moving coordinates from one CRS to another. A missing datum shift is an error, never silently nothing.
@@ -247,8 +248,8 @@ Tin transform(const Tin& tin, const Crs& from, const Crs& to, double* planarity_
     for (std::size_t v = first; v < first + count; ++v)
       if (!std::isfinite(out.vertices[v].x))
         throw Error(ErrorKind::input, "outside-crs",
-                    "vertex " + std::to_string(v) + " at " + std::to_string(tin.vertices[v].x) + ", " +
-                        std::to_string(tin.vertices[v].y) + " has no place in " + to.name() +
+                    "vertex " + std::to_string(v) + " at " + shortest(tin.vertices[v].x) + ", " +
+                        shortest(tin.vertices[v].y) + " has no place in " + to.name() +
                         (mover.shifts_heights() ? " or lies outside the grid of its heights" : "") +
                         "; choose a target-crs that covers the data");
   }

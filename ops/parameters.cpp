@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/shortest.hpp"
+
 namespace terrane {
 namespace {
 
@@ -13,11 +15,6 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && blank(text.back())) text.remove_suffix(1);
   return text;
-}
-
-std::string shortest(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
 [[noreturn]] void refuse(const Parameter& p, std::string_view text, const std::string& expected) {

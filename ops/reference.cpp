@@ -162,6 +162,9 @@ Choices that are made here where others are possible:
   `quantize` and the logical operations keep of the points only those that the borders of their level areas need.
 - A logical operation divides faces steeper than 89.9° half-way between the two levels; in degrees, and where heights
   have another unit than lengths, the angle is that on the ground.
+- Parts of a surface that meet in one point only, as tiles do that touch in a corner, may have a height each there: no
+  wall fits into a point. Any other place with two heights needs a wall, or an edge along which the surface jumps.
+- Faces and vertices that `validate` and warnings name are counted from 0, whatever the file counts from.
 - `validate` with `repair` keeps the earlier faces where faces overlap, in an order taken from their connection.
 - Numbers in coordinates that all lie within 360 by 90 in a projected CRS are suspected to be degrees: refused where
   other inputs

@@ -150,8 +150,7 @@ class Sheets {
 };
 
 /// Faces in the order of a walk over shared edges, so that halves hang together.
-std::vector<Index> walk_order(const Tin& tin) {
-  const PlanTopology topology = plan_topology(tin);
+std::vector<Index> walk_order(const Tin& tin, const PlanTopology& topology) {
   std::vector<Index> order;
   std::vector<bool> seen(tin.faces.size());
   for (Index start = 0; start < static_cast<Index>(tin.faces.size()); ++start) {
@@ -167,6 +166,15 @@ std::vector<Index> walk_order(const Tin& tin) {
   return order;
 }
 
+/// Counts what no sheet takes up: faces without area, and vertices of no face.
+void count_left_out(const Tin& tin, const PlanTopology& topology, Mending& mended) {
+  std::vector<bool> used(tin.vertices.size(), false);
+  for (const Face& face : tin.faces)
+    for (const Index v : face) used[v] = true;
+  mended.unused_vertices += std::count(used.begin(), used.end(), false);
+  mended.zero_area_faces += std::count(topology.turn.begin(), topology.turn.end(), Turn::flat);
+}
+
 }  // namespace
 
 Repaired repair(Tin tin, const std::string& name, Context& context) {
@@ -178,7 +186,9 @@ Repaired repair(Tin tin, const std::string& name, Context& context) {
     result.tin = std::move(*good);
   } else {
     std::vector<Tin> sheets;
-    const Sheets laid(tin, walk_order(tin));
+    const PlanTopology topology = plan_topology(tin);
+    count_left_out(tin, topology, mended);
+    const Sheets laid(tin, walk_order(tin, topology));
     for (const auto& faces : laid.faces()) lay(tin, faces, name, sheets, mended, context);
     sheets_count = sheets.size();
     if (!sheets.empty()) result.tin = merge(sheets, {Overlap::first, {Seam::wall, 0}}, context).surface.tin;

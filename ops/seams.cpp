@@ -25,8 +25,8 @@ Vectors seam_lines(const Merged& merged, const std::vector<std::string>& names, 
     feature.properties = {{"a", names.at(jump.a)},
                           {"b", names.at(jump.b)},
                           {"kind", kind(*pair)},
-                          {"jump_start", jump.dp},
-                          {"jump_end", jump.dq},
+                          {"jump_start", jump.dp + 0.0},  // no -0
+                          {"jump_end", jump.dq + 0.0},
                           {"max_abs", std::max(std::fabs(jump.dp), std::fabs(jump.dq))},
                           {"length", distance(jump.p, jump.q, crs)}};
     feature.lines.push_back({{jump.p.x, jump.p.y, NAN}, {jump.q.x, jump.q.y, NAN}});

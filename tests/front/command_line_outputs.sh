@@ -39,6 +39,14 @@ expect 0 sample a.obj --points '0.1,0.1;5,5' -o points.geojson
 printf 'POINT (0.1 0.1)' > point.wkt
 expect 0 sample a.obj --points point.wkt
 [ "$(tail -n 1 out)" = 0.1,0.1,0 ] || { echo "sample says $(cat out)"; failed=1; }
+# A truth value needs no word after it, whether it is of one operation or of all.
+expect 0 convert a.obj --provenance -o faces.json
+grep -q '"decided":\[0\]' faces.json || { cat faces.json; failed=1; }
+expect 0 convert a.obj --provenance false -o faces.json --force
+# A warning names the file and the element.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n' > turned.obj
+expect 0 convert turned.obj -o turned.ply
+grep -q '^warning: turned.obj: 1 clockwise faces were turned (face 0); correct' err || { cat err; failed=1; }
 [ ! -e c.obj ] || { echo "a refused command left c.obj"; failed=1; }
 [ ! -c /dev/full ] || expect 4 convert a.obj --format obj -o /dev/full
 

@@ -145,15 +145,22 @@ TEST(FindDefects, AWallIsLegal) {
   EXPECT_EQ(inspect(tin).walls, 2u);
 }
 
-// Two squares that meet in one corner only:  the heights there must agree.
-TEST(FindDefects, TwoHeightsAtAPinch) {
-  Tin tin = square(0, 0, 1, 0);
-  append(tin, square(1, 1, 1, 0));
-  EXPECT_EQ(count(find_defects(tin), "two-heights"), 0u);
-  tin.vertices[4].z = 2;
+TEST(FindDefects, PlacesAreWrittenAsPeopleWriteThem) {
+  Tin tin = square(500000, 0.1);
+  tin.vertices.push_back(tin.vertices[0]);
+  tin.faces[1][0] = 4;
   const auto defects = find_defects(tin);
-  ASSERT_EQ(count(defects, "two-heights"), 1u);
-  EXPECT_EQ(defects[0].element, "vertices 2 and 4");
+  ASSERT_EQ(defects.size(), 1u);
+  EXPECT_EQ(defects[0].message, "are the same point (500000, 0.1)");
+}
+
+// Two squares that meet in one corner only, as merge and threshold return them: no line, so no jump and no wall.
+TEST(FindDefects, TwoHeightsAtAPinchAreLegal) {
+  Tin tin = square(0, 0, 1, 0);
+  append(tin, square(1, 1, 1, 2));
+  EXPECT_TRUE(find_defects(tin).empty());
+  append(tin, {{{1, 0, 0}, {2, 0, 0}, {2, 1, 2}, {1, 1, 1}}, {{0, 1, 2}, {0, 2, 3}}});
+  EXPECT_EQ(count(find_defects(tin), "two-heights"), 2u);  // joins both by edges that agree at their other ends
   EXPECT_EQ(refusal(tin), "two-heights");
 }
 

@@ -151,6 +151,13 @@ TEST(Execute, InfoAndValidateReportInsteadOfRefusing) {
   const Response mended = run({"validate", {part("surface", dirty)}, {{"repair", "true"}}});
   EXPECT_TRUE(run({"validate", {part("surface", mended.body)}}).report["valid"].get<bool>());
   EXPECT_EQ(mended.report["repair"]["sheets_merged"], 2);
+  // What no sheet takes up is counted too: vertex 5 and a face without area.
+  const std::string more =
+      R"({"type":"TIN","vertices":[[0,0,1],[10,0,1],[0,10,1],[9,9,5],[1,1,5],[7,7,7]],
+          "triangles":[[0,1,2],[4,1,3],[0,1,1]]})";
+  const Response counted = run({"validate", {part("surface", more)}, {{"repair", "true"}}});
+  EXPECT_EQ(counted.report["repair"]["unused_vertices"], 1);
+  EXPECT_EQ(counted.report["repair"]["zero_area_faces"], 1);
 }
 
 TEST(Execute, CrsRules) {

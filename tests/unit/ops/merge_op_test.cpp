@@ -53,6 +53,14 @@ std::vector<double> heights(const Response& response) {
   return list;
 }
 
+// What touches in one corner has two heights there and no line for a wall: the result is a surface like any other.
+TEST(MergeOperation, TilesThatTouchInACornerCanBeWorkedOn) {
+  const Response merged = run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(2, 2, 2, 9), "b")});
+  EXPECT_EQ(heights(merged), (std::vector<double>{1, 9}));
+  EXPECT_EQ(run("convert", {{"surface", "m", "", merged.body}}, {}, "obj").body,
+            run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(2, 2, 2, 9), "b")}, {}, "obj").body);
+}
+
 TEST(MergeOperation, MedianIsCertified) {
   const Response r =
       run("merge", {tile(square(0, 0, 2, 1), "a"), tile(square(0, 0, 2, 9), "b"), tile(square(0, 0, 2, 4), "c")},
@@ -141,6 +149,14 @@ TEST(SeamsOperation, LinesHaveTheirJumps) {
                                                    {"jump_end", 4.0},
                                                    {"max_abs", 4.0},
                                                    {"length", 1.0}}));
+}
+
+TEST(SeamsOperation, NoJumpIsMinusZero) {
+  const std::string tilted = R"({"type":"TIN","crs":"local:m","triangles":[[0,1,4],[1,2,4],[2,3,4]],
+                                 "vertices":[[2,0,-1],[4,0,-1],[4,2,1],[2,2,1],[2,1,0]]})";
+  const Response r = run("seams", {tile(square(0, 0, 2, 0), "a"), tile(tilted, "b")}, {}, "geojson");
+  EXPECT_EQ(nlohmann::json::parse(r.body)["features"].size(), 2u);
+  EXPECT_EQ(r.body.find("-0.0"), std::string::npos) << r.body;
 }
 
 TEST(SeamsOperation, ATileAloneHasNone) {

@@ -63,6 +63,9 @@ TEST(Plan, WrongTypesRangesAndChoicesAreRefused) {
     EXPECT_EQ(e.kind, ErrorKind::usage) << name << "=" << value;
     EXPECT_TRUE(says(e, name)) << e.what();
   }
+  Request circle = request("synthesize-circle", {});
+  circle.parameters = {{"samples", "2"}};
+  EXPECT_TRUE(says(refusal(circle), "from 3 up to 1000000"));
 }
 
 TEST(Plan, AParameterTwiceIsRefused) {
