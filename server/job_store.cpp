@@ -75,6 +75,8 @@ std::optional<Job> first(const std::vector<SqlRow>& rows) {
   return rows.empty() ? std::nullopt : std::optional(job_of(rows.front()));
 }
 
+SqlValue value(const std::optional<Instant>& instant) { return instant ? SqlValue(*instant) : SqlValue(); }
+
 std::string random_name() {
   std::random_device random;
   std::string name;
@@ -85,8 +87,8 @@ std::string random_name() {
 /// Every function but `add`, `list` and a `dismiss` in vain is one statement, so nothing is ever half done.
 class SqlJobStore : public JobStore {
  public:
-  SqlJobStore(std::unique_ptr<SqlDatabase> database, std::string_view skip_locked)
-      : database_(std::move(database)), skip_locked_(skip_locked), name_(random_name()) {}
+  SqlJobStore(std::shared_ptr<SqlDatabase> database, std::shared_ptr<SqlDatabase> reader, std::string_view skip_locked)
+      : database_(std::move(database)), reader_(std::move(reader)), skip_locked_(skip_locked), name_(random_name()) {}
 
   std::optional<Job> add(const Job& job) override {
     const SqlValue key = job.idempotency_key.empty() ? SqlValue() : clean(job.idempotency_key);
@@ -94,10 +96,12 @@ class SqlJobStore : public JobStore {
     for (int i = 0; i < 3; ++i) {
       const auto added = database_->run(
           "INSERT INTO terrane_jobs (id, operation, status, message, progress, created, updated, idempotency_key, "
-          "fingerprint, subscriber) VALUES ($1, $2, 'accepted', $3, $4, $5, $6, $7, $8, $9) ON CONFLICT DO NOTHING "
-          "RETURNING id",
-          {clean(job.id), clean(job.operation), clean(job.message), percent(job.progress), job.created, job.updated,
-           key, clean(job.fingerprint), json_value(job.subscriber)});
+          "fingerprint, subscriber, started, finished, expires, attempts, outcome) VALUES "
+          "($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15) ON CONFLICT DO NOTHING RETURNING id",
+          {clean(job.id), clean(job.operation), std::string(word(job.status)), clean(job.message),
+           percent(job.progress), job.created, job.updated, key, clean(job.fingerprint), json_value(job.subscriber),
+           value(job.started), value(job.finished), value(job.expires), std::int64_t{job.attempts},
+           json_value(job.outcome)});
       if (!added.empty()) return std::nullopt;
       const auto holder = first(database_->run(
           "SELECT " + columns + " FROM terrane_jobs WHERE id = $1 OR idempotency_key = $2 ORDER BY id <> $1 LIMIT 1",
@@ -109,7 +113,7 @@ class SqlJobStore : public JobStore {
   }
 
   std::optional<Job> find(const std::string& id) override {
-    return first(database_->run("SELECT " + columns + " FROM terrane_jobs WHERE id = $1", {clean(id)}));
+    return first(reader_->run("SELECT " + columns + " FROM terrane_jobs WHERE id = $1", {clean(id)}));
   }
 
   JobPage list(const JobFilter& filter, Instant now) override {
@@ -117,7 +121,7 @@ class SqlJobStore : public JobStore {
     std::string conditions = " WHERE true";
     const auto parameter = [&](SqlValue value) {
       values.push_back(std::move(value));
-      return "$" + std::to_string(values.size());
+      return '$' + std::to_string(values.size());
     };
     const auto any_of = [&](const std::string& column, const auto& wanted, const auto& text) {
       std::string list;
@@ -138,11 +142,11 @@ class SqlJobStore : public JobStore {
     }
     JobPage page;
     page.matched =
-        std::stoull(database_->run("SELECT count(*) FROM terrane_jobs" + conditions, values).at(0).at(0).value());
+        std::stoull(reader_->run("SELECT count(*) FROM terrane_jobs" + conditions, values).at(0).at(0).value());
     const std::string limit = parameter(bounded(filter.limit)), offset = parameter(bounded(filter.offset));
-    for (const auto& row : database_->run("SELECT " + columns + " FROM terrane_jobs" + conditions +
-                                              " ORDER BY created DESC, id LIMIT " + limit + " OFFSET " + offset,
-                                          values)) {
+    for (const auto& row : reader_->run("SELECT " + columns + " FROM terrane_jobs" + conditions +
+                                            " ORDER BY created DESC, id LIMIT " + limit + " OFFSET " + offset,
+                                        values)) {
       page.jobs.push_back(job_of(row));
     }
     // Jobs may have come between the two statements.
@@ -152,7 +156,7 @@ class SqlJobStore : public JobStore {
 
   std::vector<std::size_t> count() override {
     std::vector<std::size_t> counts(status_words.size());
-    for (const auto& row : database_->run("SELECT status, count(*) FROM terrane_jobs GROUP BY status", {})) {
+    for (const auto& row : reader_->run("SELECT status, count(*) FROM terrane_jobs GROUP BY status", {})) {
       const auto status = job_status(row.at(0).value());
       if (status) counts[static_cast<std::size_t>(*status)] = std::stoull(row.at(1).value());
     }
@@ -183,7 +187,7 @@ class SqlJobStore : public JobStore {
         "UPDATE terrane_jobs SET progress = CASE WHEN progress < $3 THEN $3 ELSE progress END, message = $4, updated = "
         "$5 "
         "WHERE id = $1 AND owner = $2 AND status = 'running' RETURNING id",
-        {clean(id), clean(owner), percent(done), clean(message), now});
+        {clean(id), clean(owner), percent(done), clean(message), now}, Durability::soon);
   }
 
   bool finish(const std::string& id, const std::string& owner, JobStatus status, const std::string& message,
@@ -240,8 +244,8 @@ class SqlJobStore : public JobStore {
 
   std::vector<std::string> expired(Instant now, std::size_t limit) override {
     std::vector<std::string> ids;
-    for (auto& row : database_->run("SELECT id FROM terrane_jobs WHERE expires <= $1 ORDER BY expires, number LIMIT $2",
-                                    {now, bounded(limit)})) {
+    for (auto& row : reader_->run("SELECT id FROM terrane_jobs WHERE expires <= $1 ORDER BY expires, number LIMIT $2",
+                                  {now, bounded(limit)})) {
       ids.push_back(std::move(row.at(0).value()));
     }
     return ids;
@@ -253,11 +257,11 @@ class SqlJobStore : public JobStore {
 
  private:
   static std::int64_t percent(int progress) { return std::clamp(progress, 0, 100); }
-  bool changed(const std::string& sql, const std::vector<SqlValue>& values) {
-    return !database_->run(sql, values).empty();
+  bool changed(const std::string& sql, const std::vector<SqlValue>& values, Durability durability = Durability::now) {
+    return !database_->run(sql, values, durability).empty();
   }
 
-  const std::unique_ptr<SqlDatabase> database_;
+  const std::shared_ptr<SqlDatabase> database_, reader_;
   const std::string skip_locked_, name_;
   std::mutex taking_;
   std::uint64_t taken_ = 0;
@@ -284,8 +288,9 @@ std::string job_schema(std::string_view number) {
          "CREATE INDEX terrane_jobs_expires ON terrane_jobs (expires);";
 }
 
-std::unique_ptr<JobStore> make_job_store(std::unique_ptr<SqlDatabase> database, std::string_view skip_locked) {
-  return std::make_unique<SqlJobStore>(std::move(database), skip_locked);
+std::unique_ptr<JobStore> make_job_store(std::shared_ptr<SqlDatabase> database, std::shared_ptr<SqlDatabase> reader,
+                                         std::string_view skip_locked) {
+  return std::make_unique<SqlJobStore>(std::move(database), std::move(reader), skip_locked);
 }
 
 void fail_store(const std::string& what) {

@@ -62,8 +62,9 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  /// Adds a job that is `accepted`. When there is one with its (not empty) idempotency key already, that one is returned
-  /// and nothing is added. One of two that come at the same time wins.
+  /// Adds a job as it is: `accepted`, or over already. When there is one with its (not empty) idempotency key already, that one is returned
+  /// and nothing is added. One of two that come at the same time wins. A job whose id is there already is not added again,
+  /// so whoever got no answer can ask once more.
   virtual std::optional<Job> add(const Job& job) = 0;
 
   virtual std::optional<Job> find(const std::string& id) = 0;
@@ -77,7 +78,8 @@ class JobStore {
   /// on stable storage.
   virtual bool progress(const std::string& id, const std::string& owner, int percent, const std::string& message,
                         Instant now) = 0;
-  /// The end of a job that `owner` runs: successful or failed; false when it is no longer theirs.
+  /// The end of a job that `owner` runs: successful (its progress is 100 then) or failed; false when it is no longer
+  /// theirs. Whoever got no answer can ask once more with the same status and `now`, and learns that it is done.
   virtual bool finish(const std::string& id, const std::string& owner, JobStatus status, const std::string& message,
                       const nlohmann::json& outcome, Instant now, Instant expires) = 0;
   /// A job back in the line with the place it had, because its server stops; false when it is no longer theirs.
@@ -89,7 +91,7 @@ class JobStore {
   /// Says that a server is alive. A server that has not said so since before `lost_before` is lost.
   virtual void heartbeat(const std::string& server, Instant now) = 0;
   /// Running jobs of lost servers go back in the line with their place, those that were taken `max_attempts` times fail
-  /// with `outcome` instead. Returns all of them as they are now. Whoever of several servers asks first gets them.
+  /// with `message` and `outcome` instead. Returns all of them as they are now. Whoever of several servers asks first gets them.
   virtual std::vector<Job> recover(Instant lost_before, int max_attempts, const std::string& message,
                                    const nlohmann::json& outcome, Instant now, Instant expires) = 0;
 

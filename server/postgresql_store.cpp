@@ -60,8 +60,8 @@ Connection connect(const std::string& uri) {
 }
 
 constexpr const char* session =
-    "SET statement_timeout = 10000; SET lock_timeout = 10000; SET idle_in_transaction_session_timeout = 60000; "
-    "SET default_transaction_isolation = 'read committed'; SET client_min_messages = error; "
+    "SET statement_timeout = 10000; SET default_transaction_isolation = 'read committed'; "
+    "SET client_min_messages = error; "
     "SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'";
 
 bool is_good(const Result& result) {
@@ -78,7 +78,7 @@ class PostgresqlDatabase : public SqlDatabase {
     make_table();
   }
 
-  std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values) override {
+  std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values, Durability durability) override {
     std::vector<std::string> digits(values.size());
     std::vector<const char*> texts(values.size());
     std::vector<Oid> types(values.size(), no_type);
@@ -95,8 +95,11 @@ class PostgresqlDatabase : public SqlDatabase {
     const std::lock_guard lock(mutex_);
     for (bool again = false;; again = true) {
       if (!connection_) reconnect();
+      const bool is_lazy = durability == Durability::soon;
+      if (is_lazy) Result(PQexec(connection_.get(), "BEGIN; SET LOCAL synchronous_commit = off"));
       const Result result(PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(values.size()), types.data(),
                                        texts.data(), nullptr, nullptr, 0));
+      if (is_lazy) Result(PQexec(connection_.get(), "COMMIT"));  // or a rollback, when the statement failed
       if (is_good(result)) return rows_of(result);
       const bool is_lost = PQstatus(connection_.get()) == CONNECTION_BAD;
       if (!is_lost) fail(result);
@@ -186,7 +189,8 @@ class PostgresqlDatabase : public SqlDatabase {
 }  // namespace
 
 std::unique_ptr<JobStore> open_postgresql_store(const std::string& uri) {
-  return make_job_store(std::make_unique<PostgresqlDatabase>(uri), " FOR UPDATE SKIP LOCKED");
+  const auto database = std::make_shared<PostgresqlDatabase>(uri);
+  return make_job_store(database, std::make_shared<PostgresqlDatabase>(uri), " FOR UPDATE SKIP LOCKED");
 }
 
 }  // namespace terrane

@@ -33,12 +33,25 @@ class SqliteDatabase : public SqlDatabase {
     sqlite3_busy_timeout(connection, busy_milliseconds);
     const std::string mode = run("PRAGMA journal_mode = WAL", {}).at(0).at(0).value_or("");
     if (mode != "wal" && !file.empty()) fail_store("no write-ahead log can be kept beside it");
-    execute("PRAGMA synchronous = FULL");
+    execute(full);
     make_table();
   }
 
-  std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values) override {
+  std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values, Durability durability) override {
     const std::lock_guard lock(mutex_);
+    if (durability == Durability::now) return run(sql, values);
+    execute("PRAGMA synchronous = NORMAL");
+    struct Full {
+      SqliteDatabase& database;
+      ~Full() { sqlite3_exec(database.connection_.get(), full, nullptr, nullptr, nullptr); }
+    } const after{*this};
+    return run(sql, values);
+  }
+
+ private:
+  static constexpr const char* full = "PRAGMA synchronous = FULL";
+
+  std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values) {
     sqlite3_stmt* const statement = prepared(sql);
     struct Reset {
       sqlite3_stmt* statement;
@@ -50,6 +63,7 @@ class SqliteDatabase : public SqlDatabase {
     for (std::size_t i = 0; i < values.size(); ++i) bind(statement, i + 1, values[i]);
     std::vector<SqlRow> rows;
     int code;
+    errno = 0;
     while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
       SqlRow& row = rows.emplace_back(sqlite3_column_count(statement));
       for (std::size_t i = 0; i < row.size(); ++i) {
@@ -62,7 +76,6 @@ class SqliteDatabase : public SqlDatabase {
     return rows;
   }
 
- private:
   sqlite3_stmt* prepared(const std::string& sql) {
     if (const auto found = statements_.find(sql); found != statements_.end()) return found->second.get();
     if (statements_.size() >= max_prepared) statements_.clear();
@@ -73,7 +86,7 @@ class SqliteDatabase : public SqlDatabase {
 
   void bind(sqlite3_stmt* statement, std::size_t number, const SqlValue& value) {
     // $1 is a name to SQLite; it counts parameters as they come.
-    const int index = sqlite3_bind_parameter_index(statement, ("$" + std::to_string(number)).c_str());
+    const int index = sqlite3_bind_parameter_index(statement, ('$' + std::to_string(number)).c_str());
     int code = SQLITE_OK;
     if (const auto* integer = std::get_if<std::int64_t>(&value)) {
       code = sqlite3_bind_int64(statement, index, *integer);
@@ -84,6 +97,7 @@ class SqliteDatabase : public SqlDatabase {
   }
 
   void execute(const std::string& sql) {
+    errno = 0;
     if (sqlite3_exec(connection_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
   }
 
@@ -102,9 +116,10 @@ class SqliteDatabase : public SqlDatabase {
   }
 
   [[noreturn]] void fail() const {
+    const int system_error = errno;  // sqlite3_system_errno knows nothing of a COMMIT that fails
     sqlite3* const connection = connection_.get();
     const int code = sqlite3_errcode(connection) & 0xff;
-    const int cause = code == SQLITE_IOERR || code == SQLITE_CANTOPEN ? sqlite3_system_errno(connection) : 0;
+    const int cause = code == SQLITE_IOERR || code == SQLITE_CANTOPEN ? system_error : 0;
     const std::string what = sqlite3_errmsg(connection);
     if (code == SQLITE_FULL || cause == ENOSPC || cause == EDQUOT || cause == EFBIG) fail_store_full(what);
     fail_store(what);
@@ -118,7 +133,8 @@ class SqliteDatabase : public SqlDatabase {
 }  // namespace
 
 std::unique_ptr<JobStore> open_sqlite_store(const std::string& file) {
-  return make_job_store(std::make_unique<SqliteDatabase>(file), "");
+  const auto database = std::make_shared<SqliteDatabase>(file);
+  return make_job_store(database, file.empty() ? database : std::make_shared<SqliteDatabase>(file), "");
 }
 
 }  // namespace terrane
