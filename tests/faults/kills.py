@@ -3,9 +3,10 @@
 """Kills `terrane serve` with SIGKILL at random moments while clients order jobs, N times, and then looks: no acknowledged
 job is lost, none is stuck, no result is half there.
 
-  kills.py N [--servers S] [--store URI] [--seed SEED]
+  kills.py N [--servers S] [--postgresql] [--seed SEED]
 
-With several servers they share one store (PostgreSQL) and one folder, and one of them is killed at a time.
+With several servers they share one store (a PostgreSQL that the script starts) and one folder, and one of them is killed
+at a time.
 """
 import argparse
 import hashlib
@@ -16,7 +17,8 @@ import tempfile
 import threading
 import time
 
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "api"))
+sys.path[:0] = [os.path.dirname(__file__), os.path.join(os.path.dirname(__file__), "..", "api")]
+import postgresql  # noqa: E402
 from service import File, Service, form  # noqa: E402
 from terrains import ascii_grid  # noqa: E402
 
@@ -88,13 +90,17 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("kills", type=int)
     parser.add_argument("--servers", type=int, default=1)
-    parser.add_argument("--store", default="sqlite")
+    parser.add_argument("--postgresql", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     dice = random.Random(options.seed)
     begun = time.monotonic()
+    if options.postgresql and not postgresql.programs():
+        print("SKIPPED: PostgreSQL is not installed")
+        return 77
+    database = postgresql.Postgresql() if options.postgresql else None
     with tempfile.TemporaryDirectory() as data:
-        arguments = ["--store", options.store, "--threads", "2"]
+        arguments = ["--store", database.uri if database else "sqlite", "--threads", "2"]
         services = [Service(*arguments, data=data) for _ in range(options.servers)]
         clients = [Client(services, options.seed + 1 + i) for i in range(2)]
         for client in clients:
@@ -131,6 +137,8 @@ def main():
         for service in services:
             if service.stop() != 0:
                 bad["stop"] = "no clean stop"
+    if database:
+        database.close()
     print(f"{options.kills} kills in {time.monotonic() - begun:.0f} s: {len(jobs)} jobs acknowledged, {len(bad)} of them "
           f"lost, stuck, failed or half there; {len(known - set(jobs))} folders beside them")
     for job, state in list(bad.items())[:20]:
