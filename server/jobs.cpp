@@ -156,8 +156,9 @@ void Jobs::run() {
         const auto job = store_.take(server_, now());
         if (!job) break;
         work(*job);
-      } catch (const std::exception& exception) {
-        log_event("error", std::string("the line of jobs: ") + exception.what());
+      } catch (const Error& error) {
+        if (error.kind == ErrorKind::busy) break;  // the service is closing
+        log_event("error", std::string("the line of jobs: ") + error.what());
         break;
       }
       const std::lock_guard lock(mutex_);

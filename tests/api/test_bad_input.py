@@ -78,9 +78,9 @@ class InputData(Problems):
         self.assert_problem(self.info_of(File("over.obj", text)), 422, "over.obj")
 
     def test_two_heights_at_one_place(self):
-        # Two faces that touch at one point in plan and nowhere else.
-        vertices = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 0, 5], [-10, 0, 0], [-10, -10, 0]]
-        self.assert_problem(self.info_of(File("two.obj", obj(vertices, [[0, 1, 2], [3, 4, 5]]))), 422, "two.obj")
+        # Two faces that share an edge in plan, and its height at one end only.
+        vertices = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 0, 5], [0, 10, 0]]
+        self.assert_problem(self.info_of(File("two.obj", obj(vertices, [[0, 1, 2], [3, 2, 4]]))), 422, "two.obj")
 
     def test_a_slanted_edge_with_three_faces(self):
         vertices = [[0, 0, 0], [10, 0, 1], [0, 10, 0], [5, -10, 0], [0, -10, 0]]

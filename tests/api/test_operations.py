@@ -326,7 +326,7 @@ class Logs(unittest.TestCase):
             process.communicate(timeout=15)
             log.seek(0)
             lines = [json.loads(line) for line in log.read().splitlines()]
-        self.assertEqual([line["event"] for line in lines], ["start", "stopping", "stop"])
+        self.assertEqual([line["message"] for line in lines], ["start", "stopping", "stop"])
         self.assertEqual(lines[0]["host"], "127.0.0.1")
         self.assertTrue(lines[2]["clean"])
         self.assertTrue(all(line["time"].endswith("Z") for line in lines))
