@@ -109,7 +109,10 @@ TEST_P(StoreFaults, AKillLosesNothingThatWasAcknowledged) {
   EXPECT_TRUE(std::includes(found.begin(), found.end(), added.begin(), added.end()));
   EXPECT_TRUE(std::includes(successful.begin(), successful.end(), finished.begin(), finished.end()));
   EXPECT_LE(found.size(), added.size() + 20);  // each round at most one that it had no time to say
-  EXPECT_EQ(store->count()[1], 0u);
+  // A server that outlives the child may do what it was asked last after the recovery.
+  if (is_sqlite()) {
+    EXPECT_EQ(store->count()[1], 0u);
+  }
 }
 
 /// Adds jobs until there is no room left; how many there was room for.
