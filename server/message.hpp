@@ -24,12 +24,14 @@ using TextPairs = std::vector<std::pair<std::string, std::string>>;
 
 /// A request whose header is read and whose body is not.
 struct Call {
-  std::string method;  // "HEAD" arrives as "GET"
-  std::string path;    // percent-decoded
-  TextPairs query;     // percent-decoded, in the order of the names
-  TextPairs headers;   // names in small letters, in the order of the names
-  std::string client;  // its address
-  std::string host;    // as the client wrote it
+  std::string method;   // "HEAD" arrives as "GET"
+  std::string path;     // percent-decoded
+  TextPairs query;      // percent-decoded, in the order of the names
+  TextPairs headers;    // names in small letters, in the order of the names
+  std::string client;   // its address
+  std::string host;     // as the client wrote it
+  std::string version;  // "HTTP/1.1"
+  std::string user;     // the owner of its token; empty where nobody needs one
   std::string accept, content_type, content_encoding, content_length, transfer_encoding;
   bool ambiguous_length = false;  // two lengths, or a length beside a transfer coding
 };
