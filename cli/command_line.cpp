@@ -97,7 +97,8 @@ CommandLine parse_command_line(const Operation& operation, std::span<const std::
 }
 
 std::vector<std::pair<std::string, std::string>> parse_options(std::span<const std::string> words,
-                                                               const std::vector<std::string>& known) {
+                                                               const std::vector<std::string>& known,
+                                                               const std::vector<std::string>& flags) {
   std::vector<std::pair<std::string, std::string>> options;
   Words rest(words);
   while (!rest.empty()) {
@@ -107,7 +108,8 @@ std::vector<std::pair<std::string, std::string>> parse_options(std::span<const s
       for (const std::string& name : known) list += (list.empty() ? "--" : ", --") + name;
       throw Error(ErrorKind::usage, "unknown-flag", "'" + flag + "' is not understood; there are " + list);
     }
-    options.emplace_back(flag.substr(2), rest.value(flag));
+    const bool is_boolean = std::find(flags.begin(), flags.end(), flag.substr(2)) != flags.end();
+    options.emplace_back(flag.substr(2), is_boolean ? rest.truth() : rest.value(flag));
   }
   return options;
 }

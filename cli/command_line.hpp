@@ -23,8 +23,10 @@ struct CommandLine {
 /// none. A negative number is an input; "--" ends the flags. Throws Error{usage}.
 CommandLine parse_command_line(const Operation& operation, std::span<const std::string> words);
 
-/// The options of `terrane serve`, parsed by the same rules: names and values. Throws Error{usage} listing `known`.
+/// The options of `terrane serve`, parsed by the same rules: names and values; those among `flags` are true or false.
+/// Throws Error{usage} listing `known`.
 std::vector<std::pair<std::string, std::string>> parse_options(std::span<const std::string> words,
-                                                               const std::vector<std::string>& known);
+                                                               const std::vector<std::string>& known,
+                                                               const std::vector<std::string>& flags);
 
 }  // namespace terrane

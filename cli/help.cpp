@@ -3,6 +3,8 @@
 
 #include <cctype>
 
+#include "server/settings.hpp"
+
 namespace terrane {
 namespace {
 
@@ -73,8 +75,8 @@ std::string general_help() {
   std::string text = "terrane " TERRANE_VERSION
                      ": exact algebra on terrain surfaces\n\n"
                      "  terrane OPERATION INPUT... [--parameter VALUE]... -o OUTPUT\n"
-                     "  terrane serve [--port N] [--host H] [--data DIR] [--max-body SIZE]\n"
-                     "  terrane docs openapi|reference\n\nOperations (terrane OPERATION --help says more):\n";
+                     "  terrane serve [--port N] [--setting VALUE]...\n"
+                     "  terrane docs openapi|reference|settings\n\nOperations (terrane OPERATION --help says more):\n";
   for (const Operation& operation : catalogue()) text += entry(operation.id, operation.title, 16);
   text += "\nFormats:\n";
   for (const Format& format : formats())
@@ -113,13 +115,18 @@ std::string operation_help(const Operation& operation) {
 }
 
 std::string serve_help() {
-  return "terrane serve [--port N] [--host H] [--data DIR] [--max-body SIZE] [--threads N]\n\n"
-         "The operations over HTTP (OGC API - Processes).\n\n" +
-         entry("--port N", "The port to listen on. [8080]", 20) +
-         entry("--host H", "The address to listen on. [127.0.0.1]", 20) +
-         entry("--data DIR", "Where results are kept; the user's state directory otherwise.", 20) +
-         entry("--max-body SIZE", "The largest request: a number with K, M or G. [1G]", 20) +
-         entry("--threads N", "Executions at the same time; 0: one per core. [0]", 20);
+  std::string text =
+      "terrane serve [--setting VALUE]...\n\n"
+      "The operations over HTTP (OGC API - Processes). Every setting can also be an environment variable\n"
+      "(--max-body: TERRANE_MAX_BODY) or a member of the JSON file that --config names (\"max-body\"). A flag\n"
+      "wins over the environment, that over the file. Sizes carry K, M, G or T.\n\n";
+  for (const Setting& setting : settings()) {
+    const std::string value = setting.is_flag() ? "" : default_text(setting);
+    const std::string placeholder(setting.placeholder);
+    text += entry("--" + std::string(setting.name) + (placeholder.empty() ? "" : " ") + placeholder,
+                  std::string(setting.sentence) + (value.empty() ? "" : " [" + value + "]"), 24);
+  }
+  return text;
 }
 
 }  // namespace terrane

@@ -12,6 +12,7 @@
 #include "cli/serve_command.hpp"
 #include "core/error.hpp"
 #include "ops/errors.hpp"
+#include "server/settings.hpp"
 #include "server/worker_process.hpp"
 
 // The command-line door: it walks the catalogue.
@@ -27,7 +28,8 @@ int print(const std::string& text) {
 int docs(const std::vector<std::string>& words) {
   if (words.size() == 2 && words[1] == "openapi") return print(openapi_yaml());
   if (words.size() == 2 && words[1] == "reference") return print(reference_page());
-  throw Error(ErrorKind::usage, "usage", "terrane docs openapi, or terrane docs reference");
+  if (words.size() == 2 && words[1] == "settings") return print(settings_page());
+  throw Error(ErrorKind::usage, "usage", "terrane docs openapi, terrane docs reference, or terrane docs settings");
 }
 
 int run(const std::vector<std::string>& words) {

@@ -41,6 +41,11 @@ bool Admission::has_room() const {
   return !closed_ && (static_cast<int>(at_work_.size()) < slots_ || waiting_ < line_);
 }
 
+std::pair<std::size_t, std::size_t> Admission::load() const {
+  const std::lock_guard lock(mutex_);
+  return {at_work_.size(), static_cast<std::size_t>(waiting_)};
+}
+
 void Admission::close() {
   {
     const std::lock_guard lock(mutex_);

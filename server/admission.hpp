@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <set>
+#include <utility>
 
 #include "core/context.hpp"
 
@@ -35,6 +36,8 @@ class Admission {
 
   /// True when a request that came now would be worked on, at once or after waiting in the line.
   bool has_room() const;
+  /// How many are at work, and how many in the line.
+  std::pair<std::size_t, std::size_t> load() const;
   /// Nobody new comes in; those at work and in the line go on.
   void close();
   /// Those in the line are sent away, those at work are asked to stop.

@@ -8,8 +8,6 @@
 #include <ctime>
 #include <random>
 
-#include <nlohmann/json.hpp>
-
 namespace terrane {
 
 namespace {
@@ -27,6 +25,12 @@ std::string utc_now() {
   return text;
 }
 
+void write_line(const nlohmann::ordered_json& value) {
+  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+  // One call: the stream's lock keeps the line whole.
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 }  // namespace
 
 void log_request(const LogLine& line) {
@@ -34,16 +38,15 @@ void log_request(const LogLine& line) {
       {"time", utc_now()},       {"request_id", line.request_id},     {"client", line.client},
       {"method", line.method},   {"path", line.path.substr(0, 1024)}, {"status", line.status},
       {"seconds", line.seconds}, {"bytes_in", line.bytes_in},         {"bytes_out", line.bytes_out}};
+  if (!line.user.empty()) value["user"] = line.user;
   if (!line.failure.empty()) value["failure"] = line.failure;
-  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
-  // One call: the stream's lock keeps the line whole.
-  std::fwrite(text.data(), 1, text.size(), stderr);
+  write_line(value);
 }
 
-void log_event(std::string_view level, std::string_view message) {
-  const nlohmann::ordered_json value = {{"time", utc_now()}, {"level", level}, {"message", message}};
-  const std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
-  std::fwrite(text.data(), 1, text.size(), stderr);
+void log_event(std::string_view level, std::string_view message, const nlohmann::ordered_json& details) {
+  nlohmann::ordered_json value = {{"time", utc_now()}, {"request_id", ""}, {"level", level}, {"message", message}};
+  value.update(details);
+  write_line(value);
 }
 
 std::string request_id(std::string_view from_client) {

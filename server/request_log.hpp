@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-// One JSON line per request on standard error, and the id that ties it to the client's own records.
+#include <nlohmann/json.hpp>
+
+// One JSON line per request and event on standard error, and the id that ties it to the client's own records.
 namespace terrane {
 
 struct LogLine {
@@ -14,13 +16,16 @@ struct LogLine {
   double seconds = 0;
   std::size_t bytes_in = 0, bytes_out = 0;
   std::string failure;  // the cause of an answer from 500 on
+  std::string user;     // the owner of the token
 };
 
 /// Lines of different threads never mix. The query is not logged: it may hold data.
 void log_request(const LogLine& line);
 
-/// A line about something that belongs to no request: level "info", "warning" or "error".
-void log_event(std::string_view level, std::string_view message);
+/// A line about something that belongs to no request: level "info", "warning" or "error", and members beside the
+/// message. Like every line it has a request_id, an empty one.
+void log_event(std::string_view level, std::string_view message,
+               const nlohmann::ordered_json& details = nlohmann::ordered_json::object());
 
 /// The client's id when it is 1 to 128 letters, digits, '.', '_', '-'; else a new one of 32 hexadecimal digits.
 std::string request_id(std::string_view from_client);

@@ -13,6 +13,7 @@
 #include "core/error.hpp"
 #include "server/chunk_guard.hpp"
 #include "server/connection.hpp"
+#include "server/header_fields.hpp"
 #include "server/request_log.hpp"
 
 namespace terrane {
@@ -26,9 +27,10 @@ constexpr std::size_t file_block = 256 * 1024;
 /// What belongs to one request on one connection. A connection is served by one thread from end to end, and the library
 /// tells its handlers nothing of the connection, so they find it by the thread.
 struct Exchange {
-  explicit Exchange(Connection& connection) : connection(connection) {}
+  Exchange(Connection& connection, Policy& policy) : connection(connection), policy(policy) {}
 
   Connection& connection;
+  Policy& policy;
   Call call;
   std::string id;
   Connection::Clock::time_point start = Connection::Clock::now();
@@ -37,7 +39,8 @@ struct Exchange {
   bool has_body = false, body_is_read = false;
   std::optional<ChunkGuard> chunks;  // of a body that comes in chunks
   std::size_t bytes_in = 0, bytes_out = 0;
-  bool is_filled = false;  // the answer is ours
+  bool is_filled = false;   // the answer is ours
+  bool has_ranges = false;  // and parts of it can be had
   std::string failure;  // what the client is not told, for the log
   bool must_close() const { return !has_header || (has_body && !body_is_read); }
 };
@@ -84,6 +87,7 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   for (const auto& [name, value] : request.headers) call.headers.emplace_back(small(name), value);
   call.client = exchange.connection.remote_address();
   call.host = request.get_header_value("Host");
+  call.version = request.version;
   call.content_type = request.get_header_value("Content-Type");
   call.content_encoding = request.get_header_value("Content-Encoding");
   call.content_length = request.get_header_value("Content-Length");
@@ -99,13 +103,27 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   exchange.has_body = codings > 0 || unsaid || (lengths > 0 && call.content_length != "0");
   if (codings > 0) exchange.chunks.emplace();
   exchange.id = request_id(request.get_header_value("X-Request-Id"));
-  // Its multipart parser has no limits, its ranges no bounds.
+  // Its multipart parser has no limits, its ranges no bounds, and it would pack what is packed.
   request.headers.erase("Content-Type");
+  request.headers.erase("Accept-Encoding");
   request.ranges.clear();
 }
 
-void fill(httplib::Response& response, Reply&& reply) {
+/// Sends a piece of a body. When its source fails the transfer breaks off, so that nobody takes a part for the whole.
+template <class Send>
+bool send_or_break(const Send& send) {
+  try {
+    return send();
+  } catch (const std::exception& exception) {
+    current->failure = exception.what();
+    return false;
+  }
+}
+
+void fill(httplib::Response& response, Reply&& plain) {
+  Reply reply = current->policy.finish(current->call, std::move(plain));
   response.status = reply.status;
+  current->has_ranges = reply_header(reply, "Accept-Ranges").has_value();
   for (const auto& [name, value] : reply.headers) response.set_header(name, value);
   current->is_filled = true;
   current->bytes_out = reply.size().value_or(0);
@@ -115,16 +133,23 @@ void fill(httplib::Response& response, Reply&& reply) {
   } else if (auto* part = std::get_if<FileBody>(&reply.body)) {
     response.set_content_provider(part->size, reply.media_type,
                                   [part = *part](size_t at, size_t left, httplib::DataSink& sink) {
-                                    std::string block(std::min(left, file_block), '\0');
-                                    block.resize(part.file->read(part.offset + at, block.data(), block.size()));
-                                    return !block.empty() && sink.write(block.data(), block.size());
+                                    return send_or_break([&] {
+                                      std::string block(std::min(left, file_block), '\0');
+                                      block.resize(part.file->read(part.offset + at, block.data(), block.size()));
+                                      return !block.empty() && sink.write(block.data(), block.size());
+                                    });
                                   });
   } else {
     response.set_chunked_content_provider(
         reply.media_type, [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
-          stream([&](std::string_view piece) { return sink.write(piece.data(), piece.size()); });
-          sink.done();
-          return true;
+          return send_or_break([&] {
+            stream([&](std::string_view piece) {
+              current->bytes_out += piece.size();
+              return sink.write(piece.data(), piece.size());
+            });
+            sink.done();
+            return true;
+          });
         });
   }
 }
@@ -140,7 +165,8 @@ bool answer_header(Service& service, httplib::Response& response) {
     if (!current->has_host) throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
     if (current->call.path.size() > max_path)
       throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
-    std::optional<Reply> reply = service.answer_header(current->call);
+    std::optional<Reply> reply = current->policy.answer_early(current->call);
+    if (!reply) reply = service.answer_header(current->call);
     if (!reply) return false;
     fill(response, std::move(*reply));
   } catch (const std::exception& exception) {
@@ -185,7 +211,8 @@ void explain(httplib::Response& response) {
 }
 
 void finish_headers(httplib::Response& response) {
-  response.headers.erase("Accept-Ranges");
+  if (!current->has_ranges) response.headers.erase("Accept-Ranges");
+  if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
   if (current->must_close()) {
     response.headers.erase("Connection");  // set_header adds, and the library may have said it already
     response.set_header("Connection", "close");
@@ -211,20 +238,23 @@ bool answer_endless_line(Exchange& exchange) {
   const bool sent = exchange.connection.write(answer.data(), answer.size()) == static_cast<long>(answer.size());
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - exchange.start).count();
   log_request({exchange.id, exchange.connection.remote_address(), "", "", 414, seconds, exchange.bytes_in,
-               *reply.size(), exchange.failure});
+               *reply.size(), exchange.failure, ""});
+  exchange.policy.metrics().count("", "", 414, seconds, exchange.bytes_in, *reply.size());
   return sent;
 }
 
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
   const double seconds = std::chrono::duration<double>(Connection::Clock::now() - current->start).count();
+  const std::size_t bytes_out = request.method == "HEAD" ? 0 : current->bytes_out;
   log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status,
-               seconds, current->bytes_in, request.method == "HEAD" ? 0 : current->bytes_out, current->failure});
+               seconds, current->bytes_in, bytes_out, current->failure, current->call.user});
+  current->policy.metrics().count(request.method, request.path, response.status, seconds, current->bytes_in, bytes_out);
 }
 
 }  // namespace
 
 struct HttpServer::Library : httplib::Server {
-  Library(Service& service, int threads) : service(service) {
+  Library(Service& service, Policy& policy, int threads) : service(service), policy(policy) {
     new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<size_t>(threads)); };
     set_tcp_nodelay(true);
     set_keep_alive_max_count(requests_per_connection);
@@ -262,7 +292,7 @@ struct HttpServer::Library : httplib::Server {
     bool must_close = false;
     for (int served = 0; served < requests_per_connection && !must_close; ++served) {
       if (!connection.wait_for_request(stopping)) break;
-      Exchange exchange(connection);
+      Exchange exchange(connection, policy);
       current = &exchange;
       connection.begin_header();
       bool client_closes = false;
@@ -277,10 +307,12 @@ struct HttpServer::Library : httplib::Server {
   }
 
   Service& service;
+  Policy& policy;
   std::atomic<bool> stopping = false;
 };
 
-HttpServer::HttpServer(Service& service, int threads) : library_(std::make_unique<Library>(service, threads)) {}
+HttpServer::HttpServer(Service& service, Policy& policy, int threads)
+    : library_(std::make_unique<Library>(service, policy, threads)) {}
 HttpServer::~HttpServer() = default;
 
 int HttpServer::bind(const std::string& host, int port) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/policy.hpp"
 #include "server/service.hpp"
 
 // The HTTP library behind the service; routes.cpp is the only file that includes it.
@@ -12,7 +13,7 @@ namespace terrane {
 class HttpServer {
  public:
   /// `threads`: connections served at the same time.
-  HttpServer(Service& service, int threads);
+  HttpServer(Service& service, Policy& policy, int threads);
   ~HttpServer();
 
   /// Takes the address, port 0 for any free one, and returns the port. Connections wait from here on. Throws

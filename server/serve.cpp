@@ -10,8 +10,13 @@
 #include <string>
 #include <thread>
 
+#include <unistd.h>
+
 #include "core/error.hpp"
 #include "ops/errors.hpp"
+#include "ops/operation.hpp"
+#include "server/policy.hpp"
+#include "server/request_log.hpp"
 #include "server/routes.hpp"
 
 namespace terrane {
@@ -43,6 +48,7 @@ void watch_signals(HttpServer& server, Service& service, const std::atomic<bool>
   while (sigtimedwait(&set, nullptr, &step) < 0) {
     if (finished) return;
   }
+  log_event("info", "stopping");
   service.close();
   server.stop();
   if (finishes_within(grace_seconds, finished)) return;
@@ -52,47 +58,89 @@ void watch_signals(HttpServer& server, Service& service, const std::atomic<bool>
   std::_Exit(exit_code(ErrorKind::internal));
 }
 
-void check(const ServeOptions& options) {
-  if (options.port < 0 || options.port > 65535) {
-    throw Error(ErrorKind::usage, "out-of-range",
-                "--port is " + std::to_string(options.port) + "; ports are 0 to 65535.");
-  }
-  if (options.max_body == 0 || options.max_body > std::size_t{1} << 40) {
-    throw Error(ErrorKind::usage, "out-of-range", "--max-body must be from 1 byte to 1 TB.");
-  }
-  if (options.threads < 0 || options.threads > 1024) {
-    throw Error(ErrorKind::usage, "out-of-range", "--threads must be from 1 to 1024, or 0 for one per core.");
-  }
+bool is_loopback(const std::string& host) {
+  return host == "localhost" || host == "::1" ||
+         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+}
+
+/// Whoever reaches the port may use the service; that has to be wanted.
+void check_who_comes_in(const ServeOptions& options) {
+  if (is_loopback(options.host) || !options.token_file.empty() || options.allow_anonymous) return;
+  throw Error(ErrorKind::usage, "anonymous",
+              "On " + options.host +
+                  " anybody who reaches the port could use the service: give tokens with --token-file, or say "
+                  "--allow-anonymous where something else keeps strangers away.");
+}
+
+ServiceLimits limits_of(const ServeOptions& options) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  ServiceLimits limits;
+  limits.max_body = options.max_body;
+  limits.slots = options.threads > 0 ? options.threads : cores;
+  limits.line = 2 * limits.slots;
+  limits.sync_bytes = options.sync_limit;
+  limits.sync_seconds = options.sync_time;
+  limits.jobs.runners = limits.slots;
+  limits.jobs.seconds = options.job_time;
+  limits.jobs.expiry_ms = std::int64_t{1000} * options.job_expiry;
+  limits.jobs.max_waiting = static_cast<std::size_t>(options.max_jobs);
+  limits.jobs.worker.memory = options.job_memory;
+  // The processor's time of all threads together: no more than the time on the clock allows.
+  limits.jobs.worker.cpu_seconds = static_cast<std::uint64_t>(options.job_time) * static_cast<std::uint64_t>(cores);
+  return limits;
+}
+
+ServicePlace place_of(const ServeOptions& options) {
+  ServicePlace place;
+  place.data = options.data.empty() ? default_data_folder().string() : options.data;
+  place.store = options.store;
+  place.allow_hosts = options.allow_hosts;
+  place.worker_command = {std::filesystem::read_symlink("/proc/self/exe").string(), "workers"};
+  return place;
+}
+
+/// What is measured when somebody asks for the metrics.
+void watch(Metrics& metrics, Service& service) {
+  metrics.watch("terrane_executions", "Executions at work and in the line.", "state", [&]() -> Measured {
+    const auto [running, waiting] = service.load();
+    return {{"running", static_cast<double>(running)}, {"waiting", static_cast<double>(waiting)}};
+  });
+  metrics.watch("terrane_jobs", "Jobs by status.", "status", [&] {
+    const std::vector<std::size_t> counts = service.jobs();
+    Measured measured;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      measured.emplace_back(word(static_cast<JobStatus>(i)), static_cast<double>(counts[i]));
+    return measured;
+  });
 }
 
 }  // namespace
 
 int serve(const ServeOptions& options) {
-  check(options);
-  ServiceLimits limits;
-  limits.max_body = options.max_body;
-  limits.slots = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  limits.line = 2 * limits.slots;
-
+  check_who_comes_in(options);
+  Policy policy(options.token_file.empty() ? Tokens() : Tokens::from_file(options.token_file), options.cors_origins);
   // Blocked before any thread exists, so that all inherit it and only the watcher sees the signals.
   const sigset_t signals = stop_signals();
   sigset_t before;
   pthread_sigmask(SIG_BLOCK, &signals, &before);
   std::signal(SIGPIPE, SIG_IGN);
 
-  limits.jobs.runners = limits.slots;
-  ServicePlace place;
-  place.data = options.data.empty() ? default_data_folder().string() : options.data;
-  place.store = options.store;
-  place.allow_hosts = options.allow_hosts;
-  place.worker_command = {std::filesystem::read_symlink("/proc/self/exe").string(), "workers"};
-  Service service(limits, place);
+  const ServiceLimits limits = limits_of(options);
+  Service service(limits, place_of(options));
+  watch(policy.metrics(), service);
   // Beside those at work and in the line, enough for reading bodies and for quick questions such as /health.
-  HttpServer server(service, limits.slots + limits.line + 32);
+  HttpServer server(service, policy, limits.slots + limits.line + 32);
   const int port = server.bind(options.host, options.port);
   const std::string host = options.host.find(':') == std::string::npos ? options.host : "[" + options.host + "]";
   std::printf("listening on http://%s:%d\n", host.c_str(), port);
   std::fflush(stdout);
+  log_event("info", "start",
+            {{"version", TERRANE_VERSION},
+             {"host", options.host},
+             {"port", port},
+             {"process", getpid()},
+             {"threads", limits.slots},
+             {"tokens", !options.token_file.empty()}});
 
   std::atomic<bool> finished = false;
   std::thread watcher([&] { watch_signals(server, service, finished); });
@@ -100,6 +148,7 @@ int serve(const ServeOptions& options) {
   finished = true;
   watcher.join();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  log_event(clean ? "info" : "error", "stop", {{"clean", clean}});
   if (!clean) throw Error(ErrorKind::internal, "socket-failed", "The listening socket failed.");
   return 0;
 }

@@ -47,6 +47,10 @@ class Service {
   /// Reads the body, works, answers. `client_is_gone` is asked now and then; when true the work is given up.
   Reply execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone);
 
+  /// Executions at work, and waiting.
+  std::pair<std::size_t, std::size_t> load() const { return admission_.load(); }
+  /// Jobs of each status, in the order of the enum.
+  std::vector<std::size_t> jobs() { return jobs_.count(); }
   /// New executions are refused, /ready says no, no job is begun any more.
   void close();
   /// Executions at work are asked to stop, running jobs go back in the line.
