@@ -8,9 +8,10 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
-from service import TERRANE, File, Service, free_port
+from service import TERRANE, File, Service, form, free_port
 from terrains import hills, square_obj
 
 CRS = "?assume-crs=EPSG:25831"
@@ -122,6 +123,54 @@ class Codings(unittest.TestCase):
             self.assertEqual(packed.headers["Content-Disposition"], plain.headers["Content-Disposition"])
             self.assertLess(len(packed.body), len(plain.body) / 2)
             self.assertEqual(unpack(packed.body), plain.body)
+
+
+class Files(unittest.TestCase):
+    """Results of jobs are sent from files."""
+
+    @classmethod
+    def setUpClass(cls):
+        kind, body = form([("dem", File("hills.asc", hills(200)))])
+        job = service.request("POST", f"/processes/triangulate/execution{CRS}&f=obj&max-error=0", body,
+                              {"Content-Type": kind, "Prefer": "respond-async"}).json()["jobID"]
+        for _ in range(600):
+            if service.get("/jobs/" + job).json()["status"] not in ("accepted", "running"):
+                break
+            time.sleep(0.1)
+        cls.path = f"/jobs/{job}/results/surface"
+        cls.whole = service.get(cls.path)
+
+    def test_the_whole(self):
+        self.assertEqual(self.whole.status, 200, self.whole.body[:500])
+        self.assertGreater(len(self.whole.body), 2**20)
+        self.assertEqual(int(self.whole.headers["Content-Length"]), len(self.whole.body))
+        self.assertEqual(self.whole.headers["Accept-Ranges"], "bytes")
+
+    def test_a_download_goes_on_where_it_broke_off(self):
+        tag = self.whole.headers["ETag"]
+        rest = service.get(self.path, Range="bytes=1000000-", If_Range=tag, Accept_Encoding="gzip")
+        self.assertEqual(rest.status, 206)
+        self.assertEqual(rest.body, self.whole.body[1000000:])
+        self.assertEqual(service.get(self.path, Range="bytes=99999999999-").status, 416)
+
+    def test_it_is_packed_and_known_again(self):
+        tags = {self.whole.headers["ETag"]}
+        for coding, unpack in ("gzip", gzip.decompress), ("zstd", unzstd):
+            packed = service.get(self.path, Accept_Encoding=coding)
+            self.assertEqual(packed.headers["Content-Encoding"], coding)
+            self.assertLess(len(packed.body), len(self.whole.body) / 2)
+            self.assertEqual(unpack(packed.body), self.whole.body)
+            tags.add(packed.headers["ETag"])
+            known = service.get(self.path, Accept_Encoding=coding, If_None_Match=packed.headers["ETag"])
+            self.assertEqual((known.status, known.body), (304, b""))
+        self.assertEqual(len(tags), 3)
+        self.assertEqual(service.get(self.path, If_None_Match=self.whole.headers["ETag"]).status, 304)
+
+    def test_old_clients_get_a_length(self):
+        answer = service.raw(f"GET {self.path} HTTP/1.0\r\nAccept-Encoding: gzip\r\n\r\n".encode())
+        head, body = answer.split(b"\r\n\r\n", 1)
+        self.assertNotIn(b"chunked", head)
+        self.assertEqual(body, self.whole.body)
 
 
 class Origins(unittest.TestCase):
@@ -262,6 +311,8 @@ class Metrics(unittest.TestCase):
         self.assertGreater(self.value("process_resident_memory_bytes"), 1e6)
         self.assertIn(b'terrane_build_info{version="', service.get("/metrics").body)
         self.assertEqual(self.value('terrane_executions{state="running"}'), 0)
+        for status in "accepted", "running", "successful", "failed", "dismissed":
+            self.assertIn(f'terrane_jobs{{status="{status}"}} '.encode(), service.get("/metrics").body)
         self.assertEqual(service.request("POST", "/metrics", b"x").status, 405)
 
 
@@ -277,7 +328,8 @@ class Settings(unittest.TestCase):
 
     def start(self, arguments, **environment):
         """The port that the service takes."""
-        process = subprocess.Popen([TERRANE, "serve", *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        command = [TERRANE, "serve", "--data", os.path.join(self.folder.name, "data"), *arguments]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                                    env={**os.environ, **environment})
         line = process.stdout.readline().decode()
         process.terminate()
@@ -318,8 +370,8 @@ class Settings(unittest.TestCase):
 
 class Logs(unittest.TestCase):
     def test_start_and_stop(self):
-        with tempfile.TemporaryFile() as log:
-            command = [TERRANE, "serve", "--port", str(free_port())]
+        with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as data:
+            command = [TERRANE, "serve", "--port", str(free_port()), "--data", data]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log)
             process.stdout.readline()
             process.terminate()
