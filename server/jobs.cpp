@@ -176,16 +176,19 @@ void Jobs::work(const Job& job) {
   try {
     tell(job, "inProgressUri", "application/json", status_info(job, "").dump());
     const nlohmann::json outcome = perform(job, dismissed);
-    finish(job, JobStatus::successful, "done", outcome);
+    finish({job, JobStatus::successful, "done", outcome});
   } catch (const std::exception& exception) {
-    const Error error = as_error(exception);
-    if (error.kind == ErrorKind::cancelled && !dismissed) {
+    const nlohmann::json failure = failure_message(exception);
+    if (dismissed) {
+      // nobody waits for it
+    } else if (as_error(exception).kind == ErrorKind::cancelled) {
       store_.hand_back(job.id, server_, now());
-    } else if (!dismissed) {
-      if (error.kind == ErrorKind::internal) log_event("error", "job " + job.id + ": " + exception.what());
-      const bool ours = error.kind == ErrorKind::internal && !dynamic_cast<const HttpError*>(&exception);
-      finish(job, JobStatus::failed, ours ? "Terrane failed on this job; that is a mistake of ours." : exception.what(),
-             {{"failure", failure_message(exception)}});
+    } else {
+      const bool ours = failure.value("kind", -1) == static_cast<int>(ErrorKind::internal);
+      if (ours) log_event("error", "job " + job.id + ": " + exception.what());
+      finish({job, JobStatus::failed,
+              ours ? "Terrane failed on this job; that is a mistake of ours." : failure.at("message"),
+              {{"failure", failure}}});
     }
   }
   const std::lock_guard lock(mutex_);
@@ -225,32 +228,43 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
   return outcome;
 }
 
-void Jobs::finish(const Job& job, JobStatus status, const std::string& message, const nlohmann::json& outcome) {
+/// A job that is done stays ours until that is written down, however long the disk is full.
+void Jobs::finish(const Ending& ending) {
   const auto write_down = [&] {
-    return store_.finish(job.id, server_, status, message, outcome, now(), now() + limits_.expiry_ms);
+    return store_.finish(ending.job.id, server_, ending.status, ending.message, ending.outcome, now(),
+                         now() + limits_.expiry_ms);
   };
   bool ours = false;
   try {
     ours = write_down();
-  } catch (const Error& error) {
-    if (error.kind != ErrorKind::storage_full) throw;
-    data_.release_reserve();  // for this it was kept
-    ours = write_down();
-  }
-  if (!ours) return;
-  if (status == JobStatus::successful) {
-    const nlohmann::json& reply = outcome.at("reply");
-    const std::string file = reply.value("file", "");
-    std::string body = status_info(job, "").dump();
-    if (!file.empty() && job.subscriber.is_object() && job.subscriber.contains("successUri")) {
-      const OpenFile result(data_.job(job.id) / outcome.at("folder").get<std::string>() / file);
-      if (result.size() <= largest_callback) body = result.text();
+  } catch (const Error&) {
+    try {
+      data_.release_reserve();  // for this it was kept
+      ours = write_down();
+    } catch (const Error& error) {
+      log_event("error", "the end of job " + ending.job.id + ": " + error.what());
+      const std::lock_guard lock(mutex_);
+      unwritten_.push_back(ending);
     }
-    tell(job, "successUri", reply.value("media_type", "application/json"), body);
-  } else {
-    const auto done = store_.find(job.id);
-    tell(job, "failedUri", "application/json", status_info(done ? *done : job, "").dump());
   }
+  if (ours) tell_end(ending);
+}
+
+void Jobs::tell_end(const Ending& ending) {
+  const Job& job = ending.job;
+  if (!job.subscriber.is_object()) return;
+  if (ending.status != JobStatus::successful) {
+    const auto done = store_.find(job.id);
+    return tell(job, "failedUri", "application/json", status_info(done ? *done : job, "").dump());
+  }
+  const nlohmann::json& reply = ending.outcome.at("reply");
+  const std::string file = reply.value("file", "");
+  std::string body = status_info(job, "").dump();
+  if (!file.empty()) {
+    const OpenFile result(data_.job(job.id) / ending.outcome.at("folder").get<std::string>() / file);
+    if (result.size() <= largest_callback) body = result.text();
+  }
+  tell(job, "successUri", reply.value("media_type", "application/json"), body);
 }
 
 void Jobs::tell(const Job& job, const char* event, const std::string& media_type, const std::string& body) {
@@ -277,6 +291,12 @@ void Jobs::keep_house() {
       const std::lock_guard lock(mutex_);
       news_ = true;
     }
+    std::vector<Ending> unwritten;
+    {
+      const std::lock_guard lock(mutex_);
+      unwritten.swap(unwritten_);
+    }
+    for (const Ending& ending : unwritten) finish(ending);
     for (const std::string& id : store_.expired(now(), 100)) forget(id);
     data_.take_reserve();
   } catch (const std::exception& exception) {

@@ -62,7 +62,15 @@ class Jobs {
   void run();
   void work(const Job& job);
   nlohmann::json perform(const Job& job, const std::atomic<bool>& dismissed);
-  void finish(const Job& job, JobStatus status, const std::string& message, const nlohmann::json& outcome);
+  /// How a job of ours ended.
+  struct Ending {
+    Job job;
+    JobStatus status;
+    std::string message;
+    nlohmann::json outcome;
+  };
+  void finish(const Ending& ending);
+  void tell_end(const Ending& ending);
   void tell(const Job& job, const char* event, const std::string& media_type, const std::string& body);
   void keep_house();
   void forget(const std::string& id);
@@ -82,6 +90,7 @@ class Jobs {
   std::condition_variable wake_;
   bool stopping_ = false, news_ = false;
   std::map<std::string, std::atomic<bool>*> running_;  // here, and whether it was dismissed
+  std::vector<Ending> unwritten_;                      // that the store did not take
   std::vector<std::thread> threads_;
 };
 

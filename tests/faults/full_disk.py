@@ -47,6 +47,8 @@ def one(point, options, expected):
             if answer.status not in (200, 201, 507, 503):
                 wrong.append(f"answer {answer.status} {answer.body[:300]!r}")
     states = settled([service], acknowledged, 20)
+    if "stuck" in states.values():
+        wrong.append("a job is stuck")
     if service.get("/health").status != 200:
         wrong.append("no health")
     # Room again: after a restart everything acknowledged is what it was, or failed because of the disk.
