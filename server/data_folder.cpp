@@ -149,6 +149,15 @@ DataFolder::DataFolder(fs::path root, const std::string& server) : server_(serve
   take_reserve();
 }
 
+void DataFolder::remove_older(const fs::path& folder, std::chrono::milliseconds age) const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path() == work()) continue;
+    const auto changed = entry.last_write_time(error);
+    if (!error && fs::file_time_type::clock::now() - changed > age) fs::remove_all(entry.path(), error);
+  }
+}
+
 void DataFolder::release_reserve() const { unlink((root_ / "reserve").c_str()); }
 
 void DataFolder::take_reserve() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -69,7 +70,11 @@ class DataFolder {
   std::filesystem::path work() const { return root_ / "work" / server_; }
   std::filesystem::path work(const std::string& id) const { return work() / id; }
   std::filesystem::path job(const std::string& id) const { return root_ / "jobs" / id; }
-  std::filesystem::path upload(const std::string& id) const { return root_ / "uploads" / id; }
+  std::filesystem::path uploads() const { return root_ / "uploads"; }
+  std::filesystem::path upload(const std::string& id) const { return uploads() / id; }
+
+  /// Removes what nobody has changed for so long from a folder.
+  void remove_older(const std::filesystem::path& folder, std::chrono::milliseconds age) const;
 
   /// Gives the reserve back to the file system, so that what must be written can be; then takes it again as soon as
   /// there is room.

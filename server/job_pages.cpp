@@ -201,7 +201,11 @@ Reply Service::dismiss_job(const Call& call, const std::string& id) {
 Reply Service::job_results(const Call&, const std::string& id) {
   const Job job = require_job(id);
   require_results(job);
-  return reply_of(job.outcome, data_.job(id) / job.outcome.at("folder").get<std::string>());
+  Reply reply = reply_of(job.outcome, data_.job(id) / job.outcome.at("folder").get<std::string>());
+  if (job.outcome.at("outputs").contains("certificate"))
+    reply.headers.emplace_back("Link", "</jobs/" + id + "/results/certificate>; rel=\"describedby\"; "
+                                       "type=\"application/json\"");
+  return reply;
 }
 
 Reply Service::job_output(const Call& call, const std::string& id, const std::string& output) {

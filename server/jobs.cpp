@@ -25,6 +25,7 @@ using namespace std::chrono_literals;
 constexpr auto house_step = 5s;
 constexpr auto idle_step = 1s;  // other servers may have submitted
 constexpr std::int64_t told_every_ms = 500;
+constexpr auto abandoned_after = 48h;  // folders of servers that never came back
 constexpr int callback_attempts = 3;
 constexpr std::uint64_t largest_callback = 64 << 20;
 
@@ -174,7 +175,7 @@ void Jobs::work(const Job& job) {
     running_[job.id] = &dismissed;
   }
   try {
-    tell(job, "inProgressUri", "application/json", status_info(job, "").dump());
+    tell(job, "inProgressUri", "application/json", status_info(job, base_of(job)).dump());
     const nlohmann::json outcome = perform(job, dismissed);
     finish({job, JobStatus::successful, "done", outcome});
   } catch (const std::exception& exception) {
@@ -216,7 +217,7 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
     const std::lock_guard lock(mutex_);
     return stopping_ || lost || dismissed;
   };
-  const std::string base = nlohmann::json::parse(OpenFile(lasting / "call.json").text()).value("base", "");
+  const std::string base = base_of(job);
   events.resolve = [&](const std::string& href) { return references_.resolve(folder.path(), base, href); };
   nlohmann::json outcome = workers_.run(Workers::What::perform, folder.path(), limits_.worker, limits_.seconds, events);
 
@@ -255,16 +256,21 @@ void Jobs::tell_end(const Ending& ending) {
   if (!job.subscriber.is_object()) return;
   if (ending.status != JobStatus::successful) {
     const auto done = store_.find(job.id);
-    return tell(job, "failedUri", "application/json", status_info(done ? *done : job, "").dump());
+    return tell(job, "failedUri", "application/json", status_info(done ? *done : job, base_of(job)).dump());
   }
   const nlohmann::json& reply = ending.outcome.at("reply");
   const std::string file = reply.value("file", "");
-  std::string body = status_info(job, "").dump();
+  std::string body = status_info(job, base_of(job)).dump();
   if (!file.empty()) {
     const OpenFile result(data_.job(job.id) / ending.outcome.at("folder").get<std::string>() / file);
     if (result.size() <= largest_callback) body = result.text();
   }
   tell(job, "successUri", reply.value("media_type", "application/json"), body);
+}
+
+/// How the client that ordered it addressed us.
+std::string Jobs::base_of(const Job& job) const {
+  return nlohmann::json::parse(OpenFile(data_.job(job.id) / "call.json").text()).value("base", "");
 }
 
 void Jobs::tell(const Job& job, const char* event, const std::string& media_type, const std::string& body) {
@@ -298,6 +304,8 @@ void Jobs::keep_house() {
     }
     for (const Ending& ending : unwritten) finish(ending);
     for (const std::string& id : store_.expired(now(), 100)) forget(id);
+    data_.remove_older(data_.uploads(), std::chrono::milliseconds(limits_.expiry_ms));
+    if (!only_server_) data_.remove_older(data_.root() / "work", abandoned_after);
     data_.take_reserve();
   } catch (const std::exception& exception) {
     log_event("error", std::string("keeping house: ") + exception.what());

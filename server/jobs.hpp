@@ -71,6 +71,7 @@ class Jobs {
   };
   void finish(const Ending& ending);
   void tell_end(const Ending& ending);
+  std::string base_of(const Job& job) const;
   void tell(const Job& job, const char* event, const std::string& media_type, const std::string& body);
   void keep_house();
   void forget(const std::string& id);
