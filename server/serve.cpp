@@ -6,8 +6,11 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <thread>
+
+#include <unistd.h>
 
 #include "core/error.hpp"
 #include "ops/errors.hpp"
@@ -64,6 +67,24 @@ void check(const ServeOptions& options) {
   }
 }
 
+/// The folder of the service's files, made when it is not there.
+std::string data_folder(const std::string& wanted) {
+  namespace fs = std::filesystem;
+  const char* const state = std::getenv("XDG_STATE_HOME");
+  const char* const home = std::getenv("HOME");
+  fs::path folder = wanted;
+  if (wanted.empty() && state && *state) folder = fs::path(state) / "terrane";
+  else if (wanted.empty() && home && *home) folder = fs::path(home) / ".local" / "state" / "terrane";
+  else if (wanted.empty()) folder = fs::temp_directory_path() / "terrane";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw Error(ErrorKind::usage, "no-data-folder",
+                "--data: " + folder.string() + " cannot be made or written; choose another folder.");
+  }
+  return folder.string();
+}
+
 }  // namespace
 
 int serve(const ServeOptions& options) {
@@ -80,8 +101,8 @@ int serve(const ServeOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
 
   Service service(limits);
-  // Beside those at work and in the line, enough for reading bodies and for quick questions such as /health.
-  HttpServer server(service, limits.slots + limits.line + 32);
+  HttpServer server(service, {static_cast<std::size_t>(limits.slots + limits.line), limits.max_body,
+                              data_folder(options.data)});
   const int port = server.bind(options.host, options.port);
   const std::string host = options.host.find(':') == std::string::npos ? options.host : "[" + options.host + "]";
   std::printf("listening on http://%s:%d\n", host.c_str(), port);
