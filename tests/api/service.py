@@ -55,13 +55,13 @@ def form(parts):
 class Service:
     """Starts the program on a free port; `close` stops it and returns its exit code."""
 
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, preexec_fn=None):
         # A file takes standard error, so that a chatty service cannot block on a full pipe.
         self.log = tempfile.TemporaryFile()
-        self.data = tempfile.TemporaryDirectory()
+        self.data = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.process = subprocess.Popen(
             [TERRANE, "serve", "--port", str(free_port()), "--data", self.data.name, *arguments],
-            stdout=subprocess.PIPE, stderr=self.log)
+            stdout=subprocess.PIPE, stderr=self.log, preexec_fn=preexec_fn)
         line = self.process.stdout.readline().decode()
         match = re.fullmatch(r"listening on http://([^:]+):(\d+)\n", line)
         if not match:
