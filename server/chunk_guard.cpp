@@ -20,22 +20,24 @@ int hexadecimal(char c) {
 
 }  // namespace
 
-bool ChunkGuard::accepts(std::string_view bytes) {
-  while (!bytes.empty()) {
+std::optional<std::size_t> ChunkGuard::take(std::string_view bytes,
+                                            const std::function<void(std::string_view)>& data) {
+  std::size_t at = 0;
+  while (at < bytes.size() && state_ != State::complete) {
     if (state_ == State::data) {
-      const std::size_t passing = static_cast<std::size_t>(std::min<std::uint64_t>(left_, bytes.size()));
-      bytes.remove_prefix(passing);
+      const std::size_t passing = static_cast<std::size_t>(std::min<std::uint64_t>(left_, bytes.size() - at));
+      data(bytes.substr(at, passing));
+      at += passing;
       left_ -= passing;
       if (left_ == 0) state_ = State::data_cr;
-      continue;
+    } else if (!take_framing(bytes[at++])) {
+      return std::nullopt;
     }
-    if (!take(bytes.front())) return false;
-    bytes.remove_prefix(1);
   }
-  return true;
+  return at;
 }
 
-bool ChunkGuard::take(char c) {
+bool ChunkGuard::take_framing(char c) {
   const auto move_on = [&](bool expected, State next) {
     if (expected) state_ = next;
     return expected;

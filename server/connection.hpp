@@ -2,60 +2,67 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
-// One accepted socket: buffered reads with a deadline and a budget. The place where the hardening of the front goes on.
+#include "server/incoming.hpp"
+#include "server/listener.hpp"
+#include "server/outgoing.hpp"
+
 namespace terrane {
 
+/// One accepted socket, with the request that came through it and the answer to it. It belongs to the front, and to a
+/// worker while that answers the request; never to both.
 class Connection {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t max_header = 64 * 1024;           // request line and header lines
-  static constexpr auto header_time = std::chrono::seconds(10);  // to send them all
-  static constexpr auto silence = std::chrono::seconds(30);      // between two pieces of a body
-  static constexpr auto idle_time = std::chrono::seconds(5);     // between two requests
 
-  /// Takes the socket over and closes it at the end.
-  explicit Connection(int socket);
+  /// Takes the socket over and closes it at the end. `budget` is that of answers.
+  Connection(Accepted from, SpoolBudget& budget);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte of a request; false when none comes in time, the client hangs up or `stopping` is set.
-  bool wait_for_request(const std::atomic<bool>& stopping);
-  /// Counts the header from here; reads fail beyond its size or time, and `header_too_large` says which it was.
-  void begin_header();
-  /// What follows is the body, which others count.
-  void begin_body() { in_header_ = false; }
-  bool header_too_large() const { return header_bytes_ > max_header; }
+  int socket() const { return socket_; }
+  const std::string& address() const { return address_; }
+  int port() const { return port_; }
+  const std::string& owner() const { return owner_; }
 
-  /// Bytes read, 0 when the client has closed, -1 on an error, a timeout or a spent budget.
-  long read(char* to, std::size_t size);
-  /// Bytes written, or -1.
-  long write(const char* from, std::size_t size);
+  std::string input;                // what was read and belongs to no request yet
+  std::optional<Incoming> request;  // the one being received or answered
+  Outgoing output;                  // what the client has not taken yet
+  int served = 0;                   // answers
+
+  /// For a worker: sends, or keeps for the front to send, what it is given. It waits only for clients that take much
+  /// and take it fast. Small pieces are collected until `flush`. False when the client is gone.
+  bool write(std::string_view bytes);
+  bool flush();
+  /// The rest of the answer, for the front to send.
+  void write(FileBody file) { output.append(std::move(file)); }
+  /// For a worker whose answer is being made while it is sent: waits until the client has taken all. False when it is
+  /// gone or too slow, or when `stopping` is set.
+  bool write_now(std::string_view bytes, const std::atomic<bool>& stopping);
 
   /// True when the client has hung up. Cheap, and takes nothing from the socket.
   bool peer_is_gone() const;
-  /// Ends the sending side and swallows what the client still sends, for a short while: closing at once would take the
-  /// answer away from a client that is still busy sending its body.
-  void linger();
-
-  std::string remote_address() const { return remote_address_; }
-  int remote_port() const { return remote_port_; }
 
  private:
-  bool wait(short event, Clock::time_point until) const;
+  bool send_or_keep(std::string_view bytes);
+  /// Sends until the socket takes no more; false when it is broken.
+  bool send_some(std::string_view& bytes) const;
+  bool wait_until_writable(Clock::duration time) const;
 
   int socket_;
-  std::string buffer_;
-  std::size_t at_ = 0;  // what is read of the buffer
-  bool in_header_ = false;
-  std::size_t header_bytes_ = 0;
-  Clock::time_point header_until_;
-  std::string remote_address_;
-  int remote_port_ = 0;
+  std::string address_;
+  int port_;
+  std::string owner_;
+  std::string collected_;
 };
+
+/// Whether somebody who has moved so many bytes since `start`, the last ones at `last`, is too slow to go on.
+bool is_too_slow(std::uint64_t bytes, Connection::Clock::time_point start, Connection::Clock::time_point last,
+                 Connection::Clock::duration longest);
 
 }  // namespace terrane

@@ -2,18 +2,16 @@
 #include "server/routes.hpp"
 
 #include <algorithm>
-#include <cerrno>
+#include <atomic>
 #include <chrono>
-#include <cstring>
 #include <optional>
-#include <thread>
 
 #include <httplib.h>
 
 #include "core/error.hpp"
-#include "server/chunk_guard.hpp"
-#include "server/connection.hpp"
+#include "server/front.hpp"
 #include "server/header_fields.hpp"
+#include "server/http_limits.hpp"
 #include "server/request_log.hpp"
 
 namespace terrane {
@@ -21,92 +19,121 @@ namespace terrane {
 namespace {
 
 constexpr std::size_t max_path = 1024;  // the library matches paths with a recursive regular expression
-constexpr int requests_per_connection = 10'000;
 constexpr std::size_t file_block = 256 * 1024;
+constexpr std::size_t spare_executions = 2;  // to read and refuse what the line has no place for
 
-/// What belongs to one request on one connection. A connection is served by one thread from end to end, and the library
-/// tells its handlers nothing of the connection, so they find it by the thread.
+std::atomic<std::size_t> open_streams = 0;
+
+/// What belongs to one request while a worker answers it. The library tells its handlers nothing of the connection, so
+/// they find it by the thread.
 struct Exchange {
-  Exchange(Connection& connection, Policy& policy) : connection(connection), policy(policy) {}
+  Exchange(Connection& connection, Policy& policy, const std::atomic<bool>& stopping)
+      : connection(connection), request(*connection.request), policy(policy), stopping(stopping) {
+    id = request_id(request.head.value("x-request-id"));
+  }
+  ~Exchange() { open_streams -= is_stream; }
 
   Connection& connection;
+  const Incoming& request;
   Policy& policy;
+  const std::atomic<bool>& stopping;
   Call call;
   std::string id;
-  Connection::Clock::time_point start = Connection::Clock::now();
-  bool has_host = true;     // exactly one, as HTTP/1.1 demands
-  bool has_header = false;  // the library understood the request line and the header
-  bool has_body = false, body_is_read = false;
-  std::optional<ChunkGuard> chunks;  // of a body that comes in chunks
+  bool has_call = false;    // the library understood the request
+  bool body_is_taken = false;
+  bool wants_body = false;  // not refused by its header; nothing is answered before the body is here
   std::size_t bytes_in = 0, bytes_out = 0;
-  bool is_filled = false;   // the answer is ours
-  bool has_ranges = false;  // and parts of it can be had
-  std::string failure;  // what the client is not told, for the log
-  bool must_close() const { return !has_header || (has_body && !body_is_read); }
+  bool is_filled = false;      // the answer is ours
+  bool is_stream = false;      // and made while it is sent
+  bool has_ranges = false;     // and parts of it can be had
+  std::uint64_t unsent = 0;    // bytes of a file that the front sends; the library only believes it does
+  std::string failure;         // what the client is not told, for the log
+  /// After a body that nobody wanted, and wherever a body may follow that nobody has received.
+  bool must_close() const {
+    const bool has_body = request.head.framing != Framing::none;
+    return !has_call || request.head.says_nothing_of_body || (has_body && !(body_is_taken && request.is_complete()));
+  }
 };
 thread_local Exchange* current = nullptr;
 
-/// The connection as the library wants to see it.
+/// The request as the library shall see it, and the way its answer takes.
 class LibraryStream : public httplib::Stream {
  public:
-  explicit LibraryStream(Connection& connection) : connection_(connection) {}
+  explicit LibraryStream(Exchange& exchange)
+      : exchange_(exchange), head_(head_for_library(exchange.request.head, exchange.request.is_complete()
+                                                                               ? exchange.request.body.size()
+                                                                               : exchange.request.head.length)) {}
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
+
   ssize_t read(char* to, size_t size) override {
-    const ssize_t n = connection_.read(to, size);
-    auto& chunks = current->chunks;
-    return n > 0 && chunks && !chunks->accepts({to, static_cast<size_t>(n)}) ? -1 : n;
+    const Spool& body = exchange_.request.body;
+    const std::uint64_t at = at_;
+    if (at < head_.size()) {
+      at_ += head_.copy(to, size, static_cast<std::size_t>(at));
+    } else if (exchange_.request.is_complete()) {
+      at_ += body.read(at - head_.size(), to, size);
+    }
+    return at_ == at ? -1 : static_cast<ssize_t>(at_ - at);
   }
-  ssize_t write(const char* from, size_t size) override { return connection_.write(from, size); }
+
+  ssize_t write(const char* from, size_t size) override {
+    const auto taken = static_cast<ssize_t>(size);
+    if (exchange_.wants_body) return taken;
+    if (exchange_.unsent > 0) {
+      exchange_.unsent -= std::min<std::uint64_t>(exchange_.unsent, size);
+      return taken;
+    }
+    Connection& connection = exchange_.connection;
+    const bool sent = exchange_.is_stream ? connection.write_now({from, size}, exchange_.stopping)
+                                          : connection.write({from, size});
+    return sent ? taken : -1;
+  }
+
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    ip = connection_.remote_address();
-    port = connection_.remote_port();
+    ip = exchange_.connection.address();
+    port = exchange_.connection.port();
   }
   void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override { return INVALID_SOCKET; }  // nobody selects on it: reads have their own deadline
+  socket_t socket() const override { return INVALID_SOCKET; }  // nobody selects on it: reads never wait
 
  private:
-  Connection& connection_;
+  Exchange& exchange_;
+  const std::string head_;
+  std::uint64_t at_ = 0;
 };
 
-std::string small(std::string name) {
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return name;
-}
-
-/// Called when the header is read: takes from the request what we do ourselves and the library must not.
+/// Called when the library has read the header: the path and the query are as it understands them, all else is ours.
 void adopt(Exchange& exchange, httplib::Request& request) {
-  exchange.has_header = true;
-  exchange.connection.begin_body();
+  exchange.has_call = true;
+  const RequestHead& head = exchange.request.head;
   Call& call = exchange.call;
   call.method = request.method == "HEAD" ? "GET" : request.method;
   call.path = request.path;
   call.query.assign(request.params.begin(), request.params.end());
-  exchange.has_host = request.version != "HTTP/1.1" || request.headers.count("Host") == 1;
-  for (const auto& [name, value] : request.headers) call.headers.emplace_back(small(name), value);
-  call.client = exchange.connection.remote_address();
-  call.host = request.get_header_value("Host");
+  call.headers = head.headers;
+  call.client = exchange.connection.address();
+  call.host = head.value("host");
   call.version = request.version;
-  call.content_type = request.get_header_value("Content-Type");
-  call.content_encoding = request.get_header_value("Content-Encoding");
-  call.content_length = request.get_header_value("Content-Length");
-  call.transfer_encoding = request.get_header_value("Transfer-Encoding");
-  const auto lengths = request.headers.count("Content-Length"), codings = request.headers.count("Transfer-Encoding");
-  call.ambiguous_length = lengths + codings > 1;
-  for (auto [at, end] = request.headers.equal_range("Accept"); at != end; ++at) {
-    call.accept += (call.accept.empty() ? "" : ",") + at->second;
+  call.content_type = head.value("content-type");
+  call.content_encoding = head.value("content-encoding");
+  call.content_length = head.value("content-length");
+  call.transfer_encoding = head.value("transfer-encoding");
+  for (const auto& [name, value] : head.headers) {
+    if (name == "accept") call.accept += (call.accept.empty() ? "" : ",") + value;
   }
-  // A POST that says nothing of its body may send one all the same.
-  const bool unsaid =
-      lengths + codings == 0 && (call.method == "POST" || call.method == "PUT" || call.method == "PATCH");
-  exchange.has_body = codings > 0 || unsaid || (lengths > 0 && call.content_length != "0");
-  if (codings > 0) exchange.chunks.emplace();
-  exchange.id = request_id(request.get_header_value("X-Request-Id"));
-  // Its multipart parser has no limits, its ranges no bounds, and it would pack what is packed.
-  request.headers.erase("Content-Type");
+  // Its ranges have no bounds, and it would pack what is packed.
   request.headers.erase("Accept-Encoding");
   request.ranges.clear();
+}
+
+/// A place among those whose answer holds a thread until the client has enough.
+void take_stream(Exchange& exchange) {
+  if (open_streams.fetch_add(1) >= http_limits::streams) {
+    --open_streams;
+    throw Error(ErrorKind::busy, "busy", "Too many answers are being followed; ask again in a few seconds.");
+  }
+  exchange.is_stream = true;
 }
 
 /// Sends a piece of a body. When its source fails the transfer breaks off, so that nobody takes a part for the whole.
@@ -122,6 +149,7 @@ bool send_or_break(const Send& send) {
 
 void fill(httplib::Response& response, Reply&& plain) {
   Reply reply = current->policy.finish(current->call, std::move(plain));
+  if (std::holds_alternative<StreamBody>(reply.body)) take_stream(*current);
   response.status = reply.status;
   current->has_ranges = reply_header(reply, "Accept-Ranges").has_value();
   for (const auto& [name, value] : reply.headers) response.set_header(name, value);
@@ -131,13 +159,16 @@ void fill(httplib::Response& response, Reply&& plain) {
     if (!reply.media_type.empty()) response.set_header("Content-Type", reply.media_type);
     response.body = std::move(*text);
   } else if (auto* part = std::get_if<FileBody>(&reply.body)) {
+    if (part->size == 0) return response.set_header("Content-Type", reply.media_type);
+    // The front sends it when the header is out, as the client takes it; no thread waits.
     response.set_content_provider(part->size, reply.media_type,
                                   [part = *part](size_t at, size_t left, httplib::DataSink& sink) {
-                                    return send_or_break([&] {
-                                      std::string block(std::min(left, file_block), '\0');
-                                      block.resize(part.file->read(part.offset + at, block.data(), block.size()));
-                                      return !block.empty() && sink.write(block.data(), block.size());
-                                    });
+                                    static const std::string block(file_block, '\0');
+                                    if (at == 0) {
+                                      current->connection.write(part);
+                                      current->unsent = part.size;
+                                    }
+                                    return sink.write(block.data(), std::min(left, block.size()));
                                   });
   } else {
     response.set_chunked_content_provider(
@@ -162,7 +193,9 @@ void fill_problem(httplib::Response& response, const std::exception& exception) 
 /// Everything before the body: true when the answer is there.
 bool answer_header(Service& service, httplib::Response& response) {
   try {
-    if (!current->has_host) throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
+    const RequestHead& head = current->request.head;
+    if (head.version == "HTTP/1.1" && head.count("host") != 1)
+      throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
     if (current->call.path.size() > max_path)
       throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
     std::optional<Reply> reply = current->policy.answer_early(current->call);
@@ -177,14 +210,17 @@ bool answer_header(Service& service, httplib::Response& response) {
 
 void read_and_execute(Service& service, httplib::Response& response, const httplib::ContentReader& reader) {
   Exchange& exchange = *current;
+  if (!exchange.request.is_complete()) {
+    exchange.wants_body = true;
+    return;
+  }
+  exchange.body_is_taken = true;
   const BodySource body = [&](const std::function<void(std::string_view)>& sink) {
-    const bool complete = reader([&](const char* data, size_t size) {
+    return reader([&](const char* data, size_t size) {
       exchange.bytes_in += size;
       sink({data, size});
       return true;
     });
-    exchange.body_is_read = complete && (!exchange.chunks || exchange.chunks->is_complete());
-    return exchange.body_is_read;
   };
   try {
     fill(response, service.execute(exchange.call, body, [&] { return exchange.connection.peer_is_gone(); }));
@@ -196,78 +232,43 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
 /// What the library refuses by itself has no body yet.
 void explain(httplib::Response& response) {
   if (response.status < 400 || current->is_filled) return;
-  const bool too_large = response.status == 400 && current->connection.header_too_large();
-  const int status = too_large ? 431 : response.status;
-  const char* code = too_large ? "header-too-large" : status == 414 ? "path-too-long" : "bad-request";
-  const char* text = too_large ? "The header is larger than 64 KB."
-                     : status == 414
-                         ? "The path with its query is longer than 8192 bytes; send parameters as form fields."
-                         : "The request line, the header or the transfer is not valid HTTP.";
-  if (status >= 500) {
+  if (response.status >= 500) {
     fill(response, problem_reply(std::runtime_error("")));
   } else {
-    fill(response, problem_reply(HttpError(status, code, text)));
+    fill(response, problem_reply(HttpError(response.status, "bad-request", "The request is not valid HTTP.")));
   }
 }
 
 void finish_headers(httplib::Response& response) {
-  if (!current->has_ranges) response.headers.erase("Accept-Ranges");
+  if (!current->has_ranges) response.headers.erase("Accept-Ranges");  // the library says it of every answer
   if (response.status == 204 || response.status == 304) response.headers.erase("Content-Length");
   if (current->must_close()) {
     response.headers.erase("Connection");  // set_header adds, and the library may have said it already
     response.set_header("Connection", "close");
   }
   if (response.get_header_value("Connection") == "close") response.headers.erase("Keep-Alive");
-  if (current->id.empty()) current->id = request_id("");
   response.set_header("X-Request-Id", current->id);
   response.set_header("X-Content-Type-Options", "nosniff");
 }
 
-/// A request line that spends the whole budget of the header is nothing the library answers.
-bool answer_endless_line(Exchange& exchange) {
-  if (exchange.has_header || !exchange.connection.header_too_large()) return false;
-  const Reply reply =
-      problem_reply(HttpError(414, "path-too-long", "The path with its query is longer than 8192 bytes; send "
-                                                    "parameters as form fields."));
-  exchange.id = request_id("");
-  const std::string answer = "HTTP/1.1 414 " + std::string(status_title(414)) +
-                             "\r\nContent-Type: " + reply.media_type +
-                             "\r\nContent-Length: " + std::to_string(*reply.size()) +
-                             "\r\nConnection: close\r\nX-Request-Id: " + exchange.id +
-                             "\r\nX-Content-Type-Options: nosniff\r\n\r\n" + std::get<std::string>(reply.body);
-  const bool sent = exchange.connection.write(answer.data(), answer.size()) == static_cast<long>(answer.size());
-  const double seconds = std::chrono::duration<double>(Connection::Clock::now() - exchange.start).count();
-  log_request({exchange.id, exchange.connection.remote_address(), "", "", 414, seconds, exchange.bytes_in,
-               *reply.size(), exchange.failure, ""});
-  exchange.policy.metrics().count("", "", 414, seconds, exchange.bytes_in, *reply.size());
-  return sent;
-}
-
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
-  const double seconds = std::chrono::duration<double>(Connection::Clock::now() - current->start).count();
+  if (current->wants_body) return;
+  const double seconds = std::chrono::duration<double>(Incoming::Clock::now() - current->request.start).count();
   const std::size_t bytes_out = request.method == "HEAD" ? 0 : current->bytes_out;
-  log_request({current->id, current->connection.remote_address(), request.method, request.path, response.status,
-               seconds, current->bytes_in, bytes_out, current->failure, current->call.user});
+  log_request({current->id, current->connection.address(), request.method, request.path, response.status, seconds,
+               current->bytes_in, bytes_out, current->failure, current->call.user});
   current->policy.metrics().count(request.method, request.path, response.status, seconds, current->bytes_in, bytes_out);
 }
 
 }  // namespace
 
 struct HttpServer::Library : httplib::Server {
-  Library(Service& service, Policy& policy, int threads) : service(service), policy(policy) {
-    new_task_queue = [threads] { return new httplib::ThreadPool(static_cast<size_t>(threads)); };
-    set_tcp_nodelay(true);
-    set_keep_alive_max_count(requests_per_connection);
-    set_keep_alive_timeout(std::chrono::duration_cast<std::chrono::seconds>(Connection::idle_time).count());
-    // The library's default, SO_REUSEPORT, lets a second server take half of the first one's clients silently.
-    set_socket_options([](socket_t sock) {
-      const int yes = 1;
-      setsockopt(sock, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    });
+  Library(Service& service, Policy& policy, const FrontLimits& limits)
+      : service(service), policy(policy), front(limits, [this](Connection& connection) { return answer(connection); }) {
+    svr_sock_ = 0;  // nobody listens on it; without one the library takes itself for stopped and sends no file
+    set_keep_alive_max_count(http_limits::requests_per_connection);
+    set_keep_alive_timeout(std::chrono::seconds(http_limits::idle_time).count());
     set_payload_max_length(static_cast<size_t>(-1));  // counted by us, on decoded bytes
-    set_expect_100_continue_handler([this](const httplib::Request&, httplib::Response& response) {
-      return terrane::answer_header(this->service, response) ? response.status : 100;
-    });
     set_pre_routing_handler([this](const httplib::Request&, httplib::Response& response) {
       return terrane::answer_header(this->service, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
     });
@@ -286,56 +287,40 @@ struct HttpServer::Library : httplib::Server {
     set_logger(log_exchange);
   }
 
-  bool process_and_close_socket(socket_t sock) override {
-    Connection connection(sock);
-    LibraryStream stream(connection);
-    bool must_close = false;
-    for (int served = 0; served < requests_per_connection && !must_close; ++served) {
-      if (!connection.wait_for_request(stopping)) break;
-      Exchange exchange(connection, policy);
+  /// In the thread of a worker.
+  Front::Verdict answer(Connection& connection) {
+    Exchange exchange(connection, policy, front.stopping());
+    bool keep = false;
+    try {
+      LibraryStream stream(exchange);
       current = &exchange;
-      connection.begin_header();
+      const bool is_last = front.stopping() || connection.served + 1 >= http_limits::requests_per_connection;
       bool client_closes = false;
-      const bool answered = process_request(stream, stopping, client_closes,
-                                            [&](httplib::Request& request) { adopt(exchange, request); }) ||
-                            answer_endless_line(exchange);
-      current = nullptr;
-      if (exchange.must_close() && answered) connection.linger();
-      must_close = !answered || client_closes || exchange.must_close() || stopping;
+      const bool answered = process_request(stream, is_last, client_closes,
+                                            [&](httplib::Request& request) { adopt(exchange, request); });
+      keep = answered && connection.flush() && !client_closes && !is_last && !exchange.must_close();
+    } catch (const std::exception&) {
+      // Out of memory where the library does not expect it: the connection ends.
     }
-    return true;
+    current = nullptr;
+    if (exchange.wants_body) return Front::Verdict::wants_body;
+    return keep ? Front::Verdict::keep : Front::Verdict::close;
   }
 
   Service& service;
   Policy& policy;
-  std::atomic<bool> stopping = false;
+  Front front;
 };
 
-HttpServer::HttpServer(Service& service, Policy& policy, int threads)
-    : library_(std::make_unique<Library>(service, policy, threads)) {}
+HttpServer::HttpServer(Service& service, Policy& policy, const HttpOptions& options)
+    : library_(std::make_unique<Library>(
+          service, policy, FrontLimits{options.executions + spare_executions, options.max_body, options.spool_folder})) {}
 HttpServer::~HttpServer() = default;
 
-int HttpServer::bind(const std::string& host, int port) {
-  errno = 0;
-  const int bound = port == 0 ? library_->bind_to_any_port(host) : library_->bind_to_port(host, port) ? port : -1;
-  if (bound > 0) return bound;
-  const std::string place = host + ":" + std::to_string(port);
-  if (errno == EADDRINUSE) {
-    throw Error(ErrorKind::usage, "port-in-use",
-                "Another program listens on " + place + "; stop it, or choose another port with --port.");
-  }
-  throw Error(
-      ErrorKind::usage, "cannot-listen",
-      "Cannot listen on " + place + "; --host must be an address of this machine, and the port one we may use.");
-}
+int HttpServer::bind(const std::string& host, int port) { return library_->front.bind(host, port); }
 
-bool HttpServer::run() { return library_->listen_after_bind(); }
+bool HttpServer::run() { return library_->front.run(); }
 
-void HttpServer::stop() {
-  library_->stopping = true;
-  // The library's stop does nothing before its loop has begun.
-  while (!library_->is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  library_->stop();
-}
+void HttpServer::stop() { library_->front.stop(); }
 
 }  // namespace terrane

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
 #include "server/policy.hpp"
 #include "server/service.hpp"
 
-// The HTTP library behind the service; routes.cpp is the only file that includes it.
+// The HTTP library between the front and the service; routes.cpp is the only file that includes it.
 namespace terrane {
+
+struct HttpOptions {
+  std::size_t executions = 1;      // that the service works on or keeps waiting at the same time
+  std::size_t max_body = 1;        // bytes as received
+  std::string spool_folder = ".";  // for bodies while they are received
+};
 
 class HttpServer {
  public:
-  /// `threads`: connections served at the same time.
-  HttpServer(Service& service, Policy& policy, int threads);
+  HttpServer(Service& service, Policy& policy, const HttpOptions& options);
   ~HttpServer();
 
   /// Takes the address, port 0 for any free one, and returns the port. Connections wait from here on. Throws

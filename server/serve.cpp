@@ -128,8 +128,8 @@ int serve(const ServeOptions& options) {
   const ServiceLimits limits = limits_of(options);
   Service service(limits, place_of(options));
   watch(policy.metrics(), service);
-  // Beside those at work and in the line, enough for reading bodies and for quick questions such as /health.
-  HttpServer server(service, policy, limits.slots + limits.line + 32);
+  HttpServer server(service, policy,
+                    {static_cast<std::size_t>(limits.slots + limits.line), limits.max_body, service.spool_folder()});
   const int port = server.bind(options.host, options.port);
   const std::string host = options.host.find(':') == std::string::npos ? options.host : "[" + options.host + "]";
   std::printf("listening on http://%s:%d\n", host.c_str(), port);

@@ -24,7 +24,6 @@ struct ServiceLimits {
   int checks = 2;           // orders of jobs that are looked into at the same time, beside the executions
   std::size_t sync_bytes = std::size_t{256} << 20;  // of a body, for whoever waits; larger ones must be jobs
   double sync_seconds = 120;
-  int streams = 16;  // clients that follow a job's events
   JobLimits jobs;
 };
 
@@ -51,6 +50,9 @@ class Service {
   std::pair<std::size_t, std::size_t> load() const { return admission_.load(); }
   /// Jobs of each status, in the order of the enum.
   std::vector<std::size_t> jobs() { return jobs_.count(); }
+  /// Where bodies may lie while they are received.
+  std::string spool_folder() const { return data_.work().string(); }
+
   /// New executions are refused, /ready says no, no job is begun any more.
   void close();
   /// Executions at work are asked to stop, running jobs go back in the line.
@@ -90,7 +92,6 @@ class Service {
   const std::unique_ptr<JobStore> store_;
   const Outbound outbound_;
   const References references_;
-  std::atomic<int> streams_ = 0;
   std::atomic<bool> closing_ = false;
   Jobs jobs_;  // last: its threads use the rest
 };

@@ -55,16 +55,18 @@ def form(parts):
 class Service:
     """Starts the program on a free port; `close` stops it and returns its exit code."""
 
-    def __init__(self, *arguments, data=None):
+    def __init__(self, *arguments, data=None, preexec_fn=None):
         # A file takes standard error, so that a chatty service cannot block on a full pipe.
         self.log = tempfile.TemporaryFile()
-        self.data = None if data else tempfile.TemporaryDirectory()
+        self.data = None if data else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.command = [TERRANE, "serve", "--port", str(free_port()), "--data", data or self.data.name, *arguments]
+        self.preexec_fn = preexec_fn
         self.start()
 
     def start(self):
         """Again on the same port and folder, after kill() or stop()."""
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log)
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=self.log,
+                                        preexec_fn=self.preexec_fn)
         line = self.process.stdout.readline().decode()
         match = re.fullmatch(r"listening on http://([^:]+):(\d+)\n", line)
         if not match:
