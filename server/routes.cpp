@@ -236,6 +236,7 @@ void log_exchange(const httplib::Request& request, const httplib::Response& resp
 struct HttpServer::Library : httplib::Server {
   Library(Service& service, const FrontLimits& limits)
       : service(service), front(limits, [this](Connection& connection) { return answer(connection); }) {
+    svr_sock_ = 0;  // not ours to open; without one the library takes itself for stopped and sends no content of providers
     set_keep_alive_max_count(http_limits::requests_per_connection);
     set_keep_alive_timeout(std::chrono::seconds(http_limits::idle_time).count());
     set_payload_max_length(static_cast<size_t>(-1));  // counted by us, on decoded bytes
