@@ -294,7 +294,7 @@ void Front::answered(Client& client) {
     return enter(client, State::lingering);
   }
   enter(client, State::head);
-  if (!client.connection.input.empty()) try_head(client);
+  if (!client.is_ended && !client.connection.input.empty()) try_head(client);
 }
 
 void Front::refuse(Client& client, const std::exception& why) {

@@ -73,7 +73,7 @@ class Conditions(unittest.TestCase):
 
     def test_parts_that_are_not_there(self):
         size = len(service.get(ALL).body)
-        for text in f"{size}-", "0-1,3-4", "-0", ",".join(["0-"] * 100):
+        for text in f"{size}-", "0-1,3-4", "-0", ",".join(["0-"] * 10):
             answer = service.get(ALL, Range="bytes=" + text)
             self.assertEqual(answer.status, 416, text)
             self.assertEqual(answer.media_type, "application/problem+json")
