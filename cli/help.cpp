@@ -49,6 +49,7 @@ std::string placeholder(const Parameter& p) {
     case Parameter::Type::length: return " LENGTH";
     case Parameter::Type::numbers: return " NUMBERS";
     case Parameter::Type::vectors: return " FILE|TEXT";
+    case Parameter::Type::json: return " JSON";
     case Parameter::Type::choice: break;
   }
   std::string words;
@@ -76,7 +77,7 @@ std::string general_help() {
                      ": exact algebra on terrain surfaces\n\n"
                      "  terrane OPERATION INPUT... [--parameter VALUE]... -o OUTPUT\n"
                      "  terrane serve [--port N] [--setting VALUE]...\n"
-                     "  terrane docs openapi|reference|settings\n\nOperations (terrane OPERATION --help says more):\n";
+                     "  terrane docs openapi|openapi-3.0|reference|settings\n\nOperations (terrane OPERATION --help says more):\n";
   for (const Operation& operation : catalogue()) text += entry(operation.id, operation.title, 16);
   text += "\nFormats:\n";
   for (const Format& format : formats())
@@ -99,7 +100,8 @@ std::string operation_help(const Operation& operation) {
   text += operation.description + "\n\nInputs (- reads standard input):\n";
   for (const InputSlot& slot : operation.inputs) text += entry(upper(slot.name), slot.sentence, 16);
   if (!operation.parameters.empty()) text += "\nParameters:\n" + parameter_entries(operation.parameters);
-  text += "\nParameters of every operation:\n" + parameter_entries(common_parameters_of(operation));
+  if (const auto common = common_parameters_of(operation); !common.empty())
+    text += "\nParameters of every operation:\n" + parameter_entries(common);
   std::string words;
   for (const std::string& word : operation.output_formats) words += (words.empty() ? "" : ", ") + word;
   text += "\nFlags:\n" +

@@ -27,9 +27,10 @@ int print(const std::string& text) {
 
 int docs(const std::vector<std::string>& words) {
   if (words.size() == 2 && words[1] == "openapi") return print(openapi_yaml());
+  if (words.size() == 2 && words[1] == "openapi-3.0") return print(openapi_30().dump(2) + "\n");
   if (words.size() == 2 && words[1] == "reference") return print(reference_page());
   if (words.size() == 2 && words[1] == "settings") return print(settings_page());
-  throw Error(ErrorKind::usage, "usage", "terrane docs openapi, terrane docs reference, or terrane docs settings");
+  throw Error(ErrorKind::usage, "usage", "terrane docs openapi, openapi-3.0, reference, or settings");
 }
 
 int run(const std::vector<std::string>& words) {

@@ -38,6 +38,7 @@ const std::vector<Operation>& catalogue() {
       validate(),
       info(),
       convert(),
+      echo(),
   };
   return all;
 }
@@ -66,6 +67,7 @@ bool can_return_surface(const Operation& operation) {
 
 std::vector<Parameter> common_parameters_of(const Operation& operation) {
   std::vector<Parameter> list;
+  if (operation.run_plain) return list;
   const bool surface = can_return_surface(operation);
   for (const Parameter& common : common_parameters())
     if ((surface || common.name != "provenance") &&

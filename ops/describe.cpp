@@ -17,14 +17,18 @@ nlohmann::json bytes_schema(const std::string& media_type) {
   return {{"type", "string"}, {"contentEncoding", "binary"}, {"contentMediaType", media_type}};
 }
 
-nlohmann::json surface_schema(const InputSlot& slot) {
+nlohmann::json input_schema(const Operation& operation, const InputSlot& slot) {
   nlohmann::json kinds = nlohmann::json::array();
+  if (operation.run_plain) {
+    for (const char* type : {"application/octet-stream", "image/tiff", "image/png"}) kinds.push_back(bytes_schema(type));
+    return {{"oneOf", kinds}};
+  }
   kinds.push_back(
       {{"type", "object"}, {"description", "A TIN as Terrane JSON."}, {"contentMediaType", "application/json"}});
   for (const Format& format : formats())
     if (format.read && format.name != "json") kinds.push_back(bytes_schema(format.media_type));
   if (slot.takes_number) kinds.push_back({{"type", "number"}});
-  if (!slot.word.empty()) kinds.push_back({{"type", "string"}, {"const", slot.word}});
+  if (!slot.word.empty()) kinds.push_back({{"type", "string"}, {"enum", {slot.word}}});
   return {{"oneOf", kinds}};
 }
 
@@ -79,6 +83,7 @@ nlohmann::json parameter_schema(const Parameter& p) {
                   bytes_schema("application/zip"),
                   bytes_schema("image/vnd.dxf")}}};
       break;
+    case Parameter::Type::json: schema = p.schema; break;
     case Parameter::Type::text:
     case Parameter::Type::crs: schema = {{"type", "string"}}; break;
     case Parameter::Type::length: {
@@ -97,13 +102,25 @@ nlohmann::json parameter_schema(const Parameter& p) {
   return schema;
 }
 
+nlohmann::json outputs_json(const Operation& operation) {
+  nlohmann::json outputs = nlohmann::json::object();
+  for (const OutputSlot& output : operation.outputs)
+    outputs[output.name] = {
+        {"title", title_of(output.name)}, {"description", output.sentence}, {"schema", output.schema}};
+  if (!outputs.empty()) return outputs;
+  return {{output_id(operation),
+           {{"title", title_of(output_id(operation))},
+            {"description", operation.description},
+            {"schema", output_schema(operation)}}}};
+}
+
 nlohmann::json process_summary(const Operation& operation) {
   return {{"id", operation.id},
           {"title", operation.title},
           {"description", operation.description},
           {"version", TERRANE_VERSION},
-          {"jobControlOptions", {"sync-execute"}},
-          {"outputTransmission", {"value"}}};
+          {"jobControlOptions", {"sync-execute", "async-execute", "dismiss"}},
+          {"outputTransmission", {"value", "reference"}}};
 }
 
 nlohmann::json process_description(const Operation& operation) {
@@ -114,7 +131,7 @@ nlohmann::json process_description(const Operation& operation) {
         {"description", slot.sentence},
         {"minOccurs", slot.min_occurs},
         {"maxOccurs", slot.max_occurs == 0 ? nlohmann::json("unbounded") : nlohmann::json(slot.max_occurs)},
-        {"schema", surface_schema(slot)}};
+        {"schema", input_schema(operation, slot)}};
   const std::vector<Parameter> common = common_parameters_of(operation);
   for (const auto* list : {&operation.parameters, &common})
     for (const Parameter& p : *list)
@@ -124,10 +141,7 @@ nlohmann::json process_description(const Operation& operation) {
                         {"maxOccurs", 1},
                         {"schema", parameter_schema(p)}};
   description["inputs"] = inputs;
-  description["outputs"] = {{output_id(operation),
-                             {{"title", title_of(output_id(operation))},
-                              {"description", operation.description},
-                              {"schema", output_schema(operation)}}}};
+  description["outputs"] = outputs_json(operation);
   return description;
 }
 

@@ -7,8 +7,14 @@
 
 namespace terrane {
 
-/// The OGC name of an operation's one output: surface, report or picture.
+/// The OGC name of an operation's output where it has one: surface, report or picture.
 std::string output_id(const Operation& operation);
+
+/// The OGC descriptions of what an operation returns, by name.
+nlohmann::json outputs_json(const Operation& operation);
+
+/// A command that runs an operation at the service `base`.
+std::string example_command(const Operation& operation, const std::string& base);
 
 /// JSON Schema of a parameter's value.
 nlohmann::json parameter_schema(const Parameter& parameter);

@@ -233,9 +233,23 @@ void use_threads(const Plan& plan, Context& context) {
   if (asked > 0) context.threads = std::min(std::max(context.threads, 1), asked);
 }
 
+/// An operation without geometry: nothing is decoded, nothing verified.
+Response execute_plain(const Plan& plan, Context& context, const Body& body) {
+  Outcome outcome = plan.operation->run_plain(plan, context);
+  Response response;
+  response.media_type = media_type_of(plan.output_format);
+  response.file_name = plan.operation->id + extension_of(plan.output_format);
+  response.body = std::get<nlohmann::json>(outcome.result).dump(2) + "\n";
+  response.parts = std::move(outcome.parts);
+  response.warnings = context.warnings;
+  if (body.sink) body.sink(std::exchange(response.body, {}));
+  return response;
+}
+
 }  // namespace
 
 Response execute(const Plan& plan, Context& context, const Body& body) {
+  if (plan.operation->run_plain) return execute_plain(plan, context, body);
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);

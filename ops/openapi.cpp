@@ -1,211 +1,188 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ops/describe.hpp"
+#include "ops/openapi_parts.hpp"
 #include "ops/yaml.hpp"
 
 // The service as OpenAPI 3.1, made from the catalogue.
 namespace terrane {
+namespace openapi_parts {
 namespace {
 
 using Json = nlohmann::json;
 
-Json reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+struct Refusal {
+  int status;
+  const char *name, *description;
+  bool always;  // any operation can answer with it
+};
 
-Json json_response(const std::string& description, const Json& schema) {
-  return {{"description", description}, {"content", {{"application/json", {{"schema", schema}}}}}};
-}
+constexpr Refusal refusals[] = {
+    {400, "bad-request", "The request is not understood: parameters, inputs, format or header.", true},
+    {401, "unauthorized", "This server wants a token.", true},
+    {404, "not-found", "There is no such thing, or it is not there yet, or no longer.", false},
+    {406, "not-acceptable", "No media type that is accepted can be returned.", true},
+    {408, "timeout", "The request was sent too slowly.", false},
+    {410, "gone", "The job was dismissed, and what came of it is gone.", false},
+    {411, "length-required", "The body has neither a length nor chunks.", false},
+    {413, "too-large", "Larger than the limits, or more work than is done while a client waits.", false},
+    {414, "path-too-long", "The path with its query is longer than 8192 bytes.", true},
+    {415, "unsupported-media-type", "The body or an input is in a format that is not read.", false},
+    {416, "range-not-satisfiable", "There is nothing in the range that was asked for.", false},
+    {422, "unworkable-input", "An input cannot be worked on; the message names the element and the remedy.", false},
+    {429, "too-many", "This client has too much in the works; Retry-After says when to come again.", true},
+    {431, "header-too-large", "The header is too large.", true},
+    {500, "internal", "Terrane failed. That is a mistake of ours, not of the request.", true},
+    {503, "busy", "Busy, or stopping: Retry-After says when to come again.", true},
+    {507, "storage-full", "There is no room left to keep a request or its result.", false}};
 
-Json problem_response(const std::string& description) {
-  return {{"description", description},
-          {"content", {{"application/problem+json", {{"schema", reference("problem")}}}}}};
-}
-
-Json get(const std::string& id, const std::string& summary, const Json& schema, bool may_miss = false) {
-  Json responses = {{"200", json_response(summary, schema)}};
-  if (may_miss) responses["404"] = problem_response("There is no such thing.");
-  return {{"get", {{"operationId", id}, {"summary", summary}, {"responses", responses}}}};
-}
-
-/// A small tent of a surface, different for each input, for examples that can be replayed as they stand.
-Json example_surface(double lift) {
-  return {
-      {"type", "TIN"},
-      {"crs", "EPSG:25831"},
-      {"vertices",
-       {{470000, 4380000, lift}, {470100, 4380000, lift + 5}, {470100, 4380100, lift}, {470000, 4380100, lift + 2}}},
-      {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
-}
-
-/// The same square, level: true or false as a whole.
-Json example_level(double height) {
-  Json tin = example_surface(height);
-  for (Json& vertex : tin["vertices"]) vertex[2] = height;
-  return tin;
-}
-
-/// An ESRI ASCII grid, for operations that take nothing but rasters.
-const char* const example_grid =
-    "ncols 3\nnrows 3\nxllcenter 470000\nyllcenter 4380000\ncellsize 50\nNODATA_value -9999\n1 2 3\n2 4 4\n3 3 5\n";
-
-Json example_inputs(const Operation& operation) {
-  Json inputs = Json::object();
-  const bool takes_binary = std::any_of(operation.parameters.begin(), operation.parameters.end(),
-                                        [](const Parameter& p) { return p.name == "extent"; });
-  double lift = 10;
-  for (const InputSlot& slot : operation.inputs) {
-    Json value = {{"value", example_surface(lift)}, {"mediaType", "application/json"}};
-    if (takes_binary) value["value"] = example_level(lift > 9 ? 255 : 0);
-    if (operation.intake.raster_only) value = {{"value", example_grid}, {"mediaType", "application/x-esri-ascii-grid"}};
-    inputs[slot.name] = slot.max_occurs == 1 ? value : Json::array({value});
-    lift -= 3;
-  }
-  for (const auto& [name, value] : operation.example.parameters) inputs[name] = value;
-  return {{"inputs", inputs}};
-}
-
-Json json_body_schema(const Operation& operation) {
-  Json properties = Json::object(), required = Json::array();
-  const Json described = process_description(operation)["inputs"];
-  for (const auto& [name, input] : described.items()) {
-    Json schema = input["schema"];
-    if (input["maxOccurs"] == "unbounded") schema = {{"oneOf", {schema, {{"type", "array"}, {"items", schema}}}}};
-    schema["description"] = input["description"];
-    properties[name] = schema;
-    if (input["minOccurs"] != 0) required.push_back(name);
-  }
-  Json inputs = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
-  if (!required.empty()) inputs["required"] = required;
-  return {{"type", "object"},
-          {"required", {"inputs"}},
-          {"properties",
-           {{"inputs", inputs},
-            {"outputs", {{"type", "object"}}},
-            {"response", {{"type", "string"}, {"enum", {"raw", "document"}}, {"default", "raw"}}}}}};
-}
-
-Json form_schema(const Operation& operation) {
-  Json properties = Json::object(), required = Json::array();
-  for (const InputSlot& slot : operation.inputs) {
-    const Json file = {{"type", "string"}, {"format", "binary"}};
-    properties[slot.name] = slot.max_occurs == 1 ? file : Json{{"type", "array"}, {"items", file}};
-    properties[slot.name]["description"] = slot.sentence;
-    if (slot.min_occurs > 0) required.push_back(slot.name);
-  }
-  const std::vector<Parameter> common = common_parameters_of(operation);
-  for (const auto* list : {&operation.parameters, &common})
-    for (const Parameter& p : *list) {
-      properties[p.name] = parameter_schema(p);
-      properties[p.name]["description"] = p.sentence;
-    }
-  Json schema = {{"type", "object"}, {"properties", properties}};
-  if (!required.empty()) schema["required"] = required;
-  return schema;
-}
-
-Json query_parameters(const Operation& operation) {
-  Json list = Json::array();
-  list.push_back({{"name", "f"},
-                  {"in", "query"},
-                  {"description", "The format of the result; goes before Accept."},
-                  {"schema", {{"type", "string"}, {"enum", operation.output_formats}}}});
-  const std::vector<Parameter> common = common_parameters_of(operation);
-  for (const auto* parameters : {&operation.parameters, &common})
-    for (const Parameter& p : *parameters)
-      list.push_back({{"name", p.name}, {"in", "query"}, {"description", p.sentence}, {"schema", parameter_schema(p)}});
-  return list;
-}
-
-Json execution(const Operation& operation) {
-  Json content = Json::object();
-  for (const std::string& word : operation.output_formats) {
-    const std::string type = media_type_of(word);
-    content[type] = {{"schema", word == "json" ? Json{{"type", "object"}} : Json{{"type", "string"}}}};
-  }
-  return {
-      {"post",
-       {{"operationId", "execute-" + operation.id},
-        {"summary", operation.title},
-        {"description", operation.description},
-        {"tags", {"operations"}},
-        {"parameters", query_parameters(operation)},
-        {"requestBody",
-         {{"required", true},
-          {"content",
-           {{"multipart/form-data", {{"schema", form_schema(operation)}}},
-            {"application/json", {{"schema", json_body_schema(operation)}, {"example", example_inputs(operation)}}}}}}},
-        {"responses",
-         {{"200",
-           {{"description", "The result."},
-            {"headers",
-             {{"Terrane-Warnings",
-               {{"description", "How many warnings the certificate holds."}, {"schema", {{"type", "integer"}}}}},
-              {"Link", {{"description", "rel=describedby: the certificate."}, {"schema", {{"type", "string"}}}}}}},
-            {"content", content}}},
-          {"400", problem_response("The request is not understood: parameters, inputs or format.")},
-          {"405", problem_response("An execution is a POST.")},
-          {"406", problem_response("No media type that is accepted can be returned.")},
-          {"411", problem_response("The body has neither a length nor chunks.")},
-          {"413", problem_response("Larger than the limits.")},
-          {"415", problem_response("An input is in a format that is not read.")},
-          {"422", problem_response("An input cannot be worked on; the message names the element and the remedy.")},
-          {"503", problem_response("Busy: Retry-After says when to come again.")}}}}}};
-}
-
-Json schemas() {
-  const Json text = {{"type", "string"}}, object = {{"type", "object"}};
-  return {
-      {"problem",
-       {{"type", "object"},
-        {"description", "RFC 7807."},
-        {"required", {"type", "title", "status", "detail"}},
-        {"properties", {{"type", text}, {"title", text}, {"status", {{"type", "integer"}}}, {"detail", text}}}}},
-      {"process",
-       {{"type", "object"},
-        {"required", {"id", "version", "inputs", "outputs"}},
-        {"description", "OGC API - Processes, process.yaml."}}},
-      {"processList",
-       {{"type", "object"},
-        {"required", {"processes", "links"}},
-        {"properties",
-         {{"processes", {{"type", "array"}, {"items", object}}}, {"links", {{"type", "array"}, {"items", object}}}}}}},
-      {"landingPage",
-       {{"type", "object"},
-        {"required", {"links"}},
-        {"properties", {{"links", {{"type", "array"}, {"items", object}}}}}}},
-      {"confClasses",
-       {{"type", "object"},
-        {"required", {"conformsTo"}},
-        {"properties", {{"conformsTo", {{"type", "array"}, {"items", text}}}}}}}};
-}
+Json html_content() { return {{"schema", {{"type", "string"}}}}; }
 
 }  // namespace
 
-nlohmann::json openapi() {
+Json schema(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
+
+Json array_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }
+
+Json responses(Json given, std::initializer_list<int> further) {
+  for (const Refusal& r : refusals) {
+    const bool wanted = r.always || std::find(further.begin(), further.end(), r.status) != further.end();
+    if (wanted) given[std::to_string(r.status)] = {{"$ref", std::string("#/components/responses/") + r.name}};
+  }
+  return given;
+}
+
+Json refusal_components() {
+  Json list = Json::object();
+  for (const Refusal& r : refusals) {
+    list[r.name] = {{"description", r.description},
+                    {"content", {{"application/problem+json", {{"schema", schema("exception")}}}}}};
+    if (r.status == 429 || r.status == 503)
+      list[r.name]["headers"] = {
+          {"Retry-After", {{"description", "Seconds to wait."}, {"schema", {{"type", "integer"}}}}}};
+  }
+  return list;
+}
+
+Json query_parameter(const std::string& name, const Json& schema, const std::string& description) {
+  return {{"name", name}, {"in", "query"}, {"required", false}, {"description", description}, {"schema", schema}};
+}
+
+Json page_response(const std::string& description, const Json& schema) {
+  return {{"description", description},
+          {"content", {{"application/json", {{"schema", schema}}}, {"text/html", html_content()}}}};
+}
+
+namespace {
+
+Json f_parameter() {
+  return query_parameter("f", {{"type", "string"}, {"enum", {"json", "html"}}},
+                         "JSON, or a page for people; goes before Accept.");
+}
+
+/// A GET of the service's description.
+Json get(const std::string& id, const std::string& summary, const std::string& description, const Json& ok,
+         std::initializer_list<int> further = {}) {
+  return {{"get",
+           {{"operationId", id},
+            {"summary", summary},
+            {"description", description},
+            {"tags", {"service"}},
+            {"parameters", Json::array({f_parameter()})},
+            {"responses", responses({{"200", ok}}, further)}}}};
+}
+
+Json path_parameter(const std::string& name, const Json& schema, const std::string& description) {
+  return {{"name", name}, {"in", "path"}, {"required", true}, {"description", description}, {"schema", schema}};
+}
+
+/// A list that comes in parts.
+Json limit_parameter() {
+  Json limit = query_parameter("limit", {{"type", "integer"}, {"minimum", 1}, {"maximum", 10000}, {"default", 1000}},
+                               "How many at most.");
+  limit["style"] = "form";
+  limit["explode"] = false;
+  return limit;
+}
+
+Json openapi_response(const char* version) {
+  const std::string type = std::string("application/vnd.oai.openapi+json;version=") + version;
+  return {{"description", "The document."},
+          {"content",
+           {{type, {{"schema", {{"type", "object"}}}}},
+            {"application/json", {{"schema", {{"type", "object"}}}}},
+            {"text/html", html_content()}}}};
+}
+
+Json service_paths() {
+  const Json object = {{"type", "object"}};
   Json paths = {
-      {"/", get("landing", "What this service offers.", reference("landingPage"))},
-      {"/conformance", get("conformance", "The conformance classes that are met.", reference("confClasses"))},
-      {"/processes", get("processes", "Every operation.", reference("processList"))},
-      {"/health", get("health", "Whether the service is alive.", {{"type", "object"}})},
-      {"/ready", get("ready", "Whether the service takes work.", {{"type", "object"}})},
-      {"/reports/{id}", get("report", "A certificate, kept for a while after its result.", {{"type", "object"}}, true)},
-      {"/openapi.json", get("openapi", "This document.", {{"type", "object"}})}};
+      {"/", get("getLandingPage", "What there is", "The landing page: links to everything else.",
+                page_response("The landing page.", schema("landingPage")))},
+      {"/conformance", get("getConformanceClasses", "What is conformed to", "The conformance classes that are met.",
+                           page_response("The classes.", schema("confClasses")))},
+      {"/processes", get("getProcesses", "The operations", "Every operation in short.",
+                         page_response("The operations.", schema("processList")))},
+      {"/processes/{processId}",
+       get("getProcessDescription", "One operation", "One operation: its inputs, parameters and outputs.",
+           page_response("The description.", schema("process")), {404})},
+      {"/health",
+       get("getHealth", "Alive?", "Answers as long as the service is alive.", page_response("It is alive.", object))},
+      {"/ready",
+       get("getReadiness", "Ready?", "Whether the service takes work.", page_response("It takes work.", object))},
+      {"/reports/{reportId}", get("getReport", "A certificate", "A certificate, kept for a while after its result.",
+                                  page_response("The certificate.", object), {404})},
+      {"/api",
+       get("getApi30", "This interface as OpenAPI 3.0", "The whole service in OpenAPI 3.0.", openapi_response("3.0"))},
+      {"/openapi.json",
+       get("getApi31", "This interface as OpenAPI 3.1", "The whole service in OpenAPI 3.1.", openapi_response("3.1"))},
+      {"/docs", get("getDocs", "This interface as a page", "The whole service as a page to read.",
+                    {{"description", "The page."}, {"content", {{"text/html", html_content()}}}})}};
+  paths["/docs"]["get"]["parameters"][0]["schema"]["enum"] = {"html"};
+  Json& list = paths["/processes"]["get"]["parameters"];
+  list.push_back(limit_parameter());
+  list.push_back(query_parameter("offset", {{"type", "integer"}, {"minimum", 0}, {"default", 0}}, "How many to skip."));
   Json ids = Json::array();
   for (const Operation& operation : catalogue()) ids.push_back(operation.id);
-  paths["/processes/{id}"] =
-      get("process", "One operation: its inputs, parameters and outputs.", reference("process"), true);
-  paths["/processes/{id}"]["parameters"] = {
-      {{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}, {"enum", ids}}}}};
-  paths["/reports/{id}"]["parameters"] = {
-      {{"name", "id"}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}}}}};
+  paths["/processes/{processId}"]["parameters"] = {
+      path_parameter("processId", {{"type", "string"}, {"enum", ids}}, "The name of the operation.")};
+  paths["/reports/{reportId}"]["parameters"] = {
+      path_parameter("reportId", {{"type", "string"}}, "As the Link of a result says it.")};
+  return paths;
+}
+
+Json tag(const char* name, const char* description) { return {{"name", name}, {"description", description}}; }
+
+}  // namespace
+}  // namespace openapi_parts
+
+nlohmann::json openapi() {
+  using namespace openapi_parts;
+  nlohmann::json paths = service_paths();
+  paths.update(job_paths());
   for (const Operation& operation : catalogue())
-    paths["/processes/" + operation.id + "/execution"] = execution(operation);
+    paths["/processes/" + operation.id + "/execution"] = execution_path(operation);
+  const nlohmann::json nothing = nlohmann::json::object();
   return {{"openapi", "3.1.0"},
           {"info",
            {{"title", "Terrane"},
             {"version", TERRANE_VERSION},
             {"description", "Exact algebra on terrain surfaces (TINs), as OGC API - Processes."},
+            {"contact", {{"name", "Whoever runs this server"}}},
             {"license", {{"name", "GPL-3.0-or-later"}, {"identifier", "GPL-3.0-or-later"}}}}},
+          {"servers", {{{"url", "/"}, {"description", "This server."}}}},
+          {"tags",
+           {tag("service", "What there is."), tag("operations", "Executions."),
+            tag("jobs", "Executions in the background."), tag("data", "Data for later.")}},
+          {"security", {nothing, {{"token", nlohmann::json::array()}}}},
           {"paths", paths},
-          {"components", {{"schemas", schemas()}}}};
+          {"components",
+           {{"schemas", schemas()},
+            {"responses", refusal_components()},
+            {"callbacks", callbacks()},
+            {"securitySchemes",
+             {{"token",
+               {{"type", "http"},
+                {"scheme", "bearer"},
+                {"description", "Where the server was started with --token-file; without one nothing is asked."}}}}}}}};
 }
 
 std::string openapi_yaml() {

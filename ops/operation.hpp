@@ -29,7 +29,8 @@ struct Parameter {
     crs,
     length,   // a number with an optional m, ft, ftUS
     numbers,  // a list 90,95,100 or a range from:to:step
-    vectors   // points, lines or polygons: a file, or written out
+    vectors,  // points, lines or polygons: a file, or written out
+    json      // a JSON value that `schema` describes
   };
   std::string name;  // kebab-case
   Type type = Type::text;
@@ -38,6 +39,7 @@ struct Parameter {
   std::vector<std::string> choices;
   std::string unit;
   std::string sentence;
+  nlohmann::json schema = nullptr;  // of Type::json
 };
 
 struct InputSlot {
@@ -47,6 +49,13 @@ struct InputSlot {
   std::string sentence = {};
   std::string word = {};  // that may stand in for a surface: "boundary"
   bool lattice = false;  // a raster whose cells alone are of interest, and whose CRS is the result's; it stays one
+};
+
+/// One of several outputs.
+struct OutputSlot {
+  std::string name;
+  nlohmann::json schema;
+  std::string sentence;
 };
 
 /// A decoded input in the common frame, as an operation's run sees it.
@@ -67,6 +76,7 @@ struct Surface {
   const Tin& tin() const { return std::get<Tin>(value); }
 };
 
+struct Plan;
 struct Outcome;  // what run returns: a TIN with its report parts, a picture, or a JSON report; ops/outcome.hpp
 
 /// The values of an operation's parameters, as its run sees them.
@@ -102,6 +112,11 @@ struct Operation {
   std::vector<Parameter> parameters = {};  // its own; those of every operation are in common_parameters()
   std::vector<std::string> output_formats = {};  // every format it can have; the first is the default
   std::function<Outcome(std::vector<Surface>& inputs, const Values& values, Context&)> run = {};
+  /// Instead of `run`, of an operation without any geometry: its inputs are whatever bytes they are, there is no frame,
+  /// no common parameter and no certificate.
+  std::function<Outcome(const Plan&, Context&)> run_plain = {};
+  /// Where it has several; the outcome says which of them there are. Empty: one, named after the kind of result.
+  std::vector<OutputSlot> outputs = {};
 
   ResultKind result = ResultKind::surface;
   Intake intake = {};
@@ -122,6 +137,7 @@ const Operation& find_operation(std::string_view id);
 /// max-error, assume-crs, crs, target-crs, grid, format, threads.
 const std::vector<Parameter>& common_parameters();
 /// Those of them that an operation takes as they are; where max-error means something of its own it describes it itself.
+/// None where there is no geometry.
 std::vector<Parameter> common_parameters_of(const Operation& operation);
 
 /// Does it return a surface, by any parameters?
@@ -138,6 +154,8 @@ nlohmann::json process_summary(const Operation& operation);
 /// The whole service as OpenAPI 3.1; `openapi_yaml` is what is committed as openapi.yaml.
 nlohmann::json openapi();
 std::string openapi_yaml();
+/// The same in the words of OpenAPI 3.0.
+nlohmann::json openapi_30();
 /// The reference page, docs/reference.md.
 std::string reference_page();
 

@@ -35,5 +35,6 @@ Operation transform_operation();
 Operation validate();
 Operation info();
 Operation convert();
+Operation echo();
 
 }  // namespace terrane

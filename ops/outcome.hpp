@@ -15,6 +15,7 @@
 #include "core/shade.hpp"
 #include "core/tin.hpp"
 #include "io/vectors.hpp"
+#include "ops/request.hpp"
 
 namespace terrane {
 
@@ -50,6 +51,7 @@ struct Outcome {
   std::optional<double> expected_area;  // of the result in plan, in squared CRS units
   nlohmann::json approximation;         // what is not exact by design, beside or instead of the triangulation of rasters
   nlohmann::json certificate = nlohmann::json::object();  // joins the certificate: "seams"
+  std::vector<ResultPart> parts = {};   // of an operation with several outputs
   bool verify = true;  // false: returned whatever its topology is (convert)
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/shortest.hpp"
+#include "ops/json_value.hpp"
 
 namespace terrane {
 namespace {
@@ -113,6 +114,7 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
       if (!vector_format(text))
         refuse(p, text, "GeoJSON, WKT, a GeoPackage, a zipped Shapefile, DXF, or coordinates x,y;x,y");
       return nullptr;  // what is kept of them is the plan's
+    case Parameter::Type::json: return parse_json_value(text, p.schema, "parameter '" + p.name + "'");
     case Parameter::Type::crs:
     case Parameter::Type::text: return std::string(trimmed(text));
   }
@@ -262,6 +264,13 @@ void Fields::vectors(const char* name, std::optional<Vectors>& field, const char
   if (!find(name)) return;
   field.emplace();
   if (vectors_) field = vectors_->at(name);
+}
+
+void Fields::json(const char* name, nlohmann::json& field, const nlohmann::json& schema, const char* sentence) {
+  if (described_)
+    describe({name, Parameter::Type::json, nullptr, {}, {}, {}, "", sentence, schema});
+  else if (const auto* value = find(name))
+    field = *value;
 }
 
 void CommonParameters::visit(Fields& f) {

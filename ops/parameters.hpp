@@ -57,6 +57,7 @@ class Fields {
   void numbers(const char* name, std::vector<double>& field, const char* sentence);
   /// Given for a check of parameters, the field is only known to be empty or not.
   void vectors(const char* name, std::optional<Vectors>& field, const char* sentence);
+  void json(const char* name, nlohmann::json& field, const nlohmann::json& schema, const char* sentence);
 
   template <class E>
   void choice(const char* name, E& field, std::initializer_list<std::pair<const char*, E>> words,

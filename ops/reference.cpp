@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 
-#include "ops/operation.hpp"
+#include "ops/describe.hpp"
 
 // docs/reference.md, made from the catalogue.
 namespace terrane {
@@ -18,6 +18,7 @@ std::string type_word(const Parameter& p) {
     case Parameter::Type::length: text = "length"; break;
     case Parameter::Type::numbers: text = "numbers, or from:to:step"; break;
     case Parameter::Type::vectors: text = "vectors"; break;
+    case Parameter::Type::json: text = "JSON"; break;
     case Parameter::Type::choice:
       for (const std::string& word : p.choices) text += (text.empty() ? "" : ", ") + ("`" + word + "`");
   }
@@ -90,12 +91,7 @@ std::string example_format(const Operation& operation) {
 }
 
 std::string example(const Operation& operation) {
-  std::string text = "```sh test\ncurl -fsS";
-  for (const auto& [slot, file] : example_files(operation)) text += " -F " + slot + "=@" + file;
-  for (const auto& [name, value] : operation.example.parameters) text += " --form-string " + quoted(name + "=" + value);
-  const std::string format = example_format(operation);
-  return text + " 'http://localhost:8080/processes/" + operation.id + "/execution?f=" + format + "' -o " +
-         operation.id + "." + format + "\n```\n\n";
+  return "```sh test\n" + example_command(operation, "http://localhost:8080") + "\n```\n\n";
 }
 
 std::string section(const Operation& operation) {
@@ -173,6 +169,15 @@ Choices that are made here where others are possible:
 )";
 
 }  // namespace
+
+std::string example_command(const Operation& operation, const std::string& base) {
+  std::string text = "curl -fsS";
+  for (const auto& [slot, file] : example_files(operation)) text += " -F " + slot + "=@" + file;
+  for (const auto& [name, value] : operation.example.parameters) text += " --form-string " + quoted(name + "=" + value);
+  const std::string format = example_format(operation);
+  return text + " '" + base + "/processes/" + operation.id + "/execution?f=" + format + "' -o " +
+         operation.id + "." + format;
+}
 
 std::string reference_page() {
   std::string text =

@@ -55,12 +55,20 @@ struct Plan {
   std::string output_format;  // a word of io/formats, or "json"/"csv"/"png" of an operation whose result is no TIN
 };
 
+/// One of several outputs.
+struct ResultPart {
+  std::string id, media_type, file_name, body;
+};
+
 struct Response {
   std::string media_type;
   std::string file_name;  // "merge.obj", for Content-Disposition
   std::string body;  // empty where the bytes went elsewhere
   nlohmann::json report;  // the certificate (or the volume report, ...); the same whatever the door
   std::vector<Warning> warnings;
+  /// Of an operation with several outputs those that have a value, each by itself; the body is all of them as one JSON
+  /// object.
+  std::vector<ResultPart> parts;
 };
 
 /// Throws Error{no_such_process | usage | unsupported | not_acceptable}.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/error.hpp"
+#include "ops/base64.hpp"
 #include "server/json_slices.hpp"
 
 namespace terrane {
@@ -59,10 +60,14 @@ std::optional<JsonMembers> qualified_value(std::string_view slice) {
   return members;
 }
 
-InputPart input_from_qualified(const std::string& slot, const JsonMembers& members) {
+InputPart input_from_qualified(const std::string& slot, JsonMembers members) {
   InputPart part{slot, slot, "", ""};
   std::string_view value;
   std::string encoding;
+  // The standard's schema has mediaType and encoding beside the value, its examples have them in a member format.
+  for (const auto& [key, slice] : JsonMembers(members))
+    if (key == "format" && json_kind(slice) == '{')
+      for (const auto& inner : json_members(slice)) members.push_back(inner);
   for (const auto& [key, slice] : members) {
     const std::string what = "input " + slot + ", " + key;
     if (key == "value") value = slice;
@@ -101,6 +106,14 @@ std::optional<InputPart> input_by_reference(const std::string& slot, std::string
   }
   if (part.href.empty()) fail("bad-reference", "The href of " + slot + " is empty.");
   return part;
+}
+
+/// A file that nothing but itself tells what it is: base64, as the standard has binary values.
+InputPart file_from_value(const std::string& slot, std::string_view slice) {
+  if (auto reference = input_by_reference(slot, slice)) return std::move(*reference);
+  if (const auto members = qualified_value(slice)) return input_from_qualified(slot, *members);
+  if (!is_string(slice)) fail("wrong-type", "The value of input " + slot + " must be base64, alone or with what it is.");
+  return {slot, slot, "", decode_base64(json_string(slice, "input " + slot), "input " + slot)};
 }
 
 InputPart input_from_value(const std::string& slot, std::string_view slice) {
@@ -146,11 +159,28 @@ std::string parameter_text(const std::string& name, std::string_view slice) {
   }
 }
 
+bool is_json_parameter(const Operation& operation, std::string_view name) {
+  return std::any_of(operation.parameters.begin(), operation.parameters.end(),
+                     [&](const Parameter& p) { return p.name == name && p.type == Parameter::Type::json; });
+}
+
+/// The value itself, or that of a qualified value: {"value": {…}} or {"value": […]}, with or without a format.
+std::string_view json_parameter(std::string_view slice) {
+  if (json_kind(slice) != '{') return slice;
+  for (const auto& [key, value] : json_members(slice))
+    if (key == "value" && (json_kind(value) == '{' || json_kind(value) == '[')) return value;
+  return slice;
+}
+
 void read_inputs(const Operation& operation, std::string_view slice, Request& request) {
   if (json_kind(slice) != '{') fail("wrong-type", "The member inputs must be an object.");
   for (const auto& [name, value] : json_members(slice)) {
-    if (!slot_named(operation, name)) {
+    if (is_json_parameter(operation, name)) {
+      request.parameters.emplace_back(name, json_parameter(value));
+    } else if (!slot_named(operation, name)) {
       add_parameter(request, name, parameter_text(name, value));
+    } else if (operation.run_plain) {
+      request.inputs.push_back(file_from_value(name, value));
     } else if (json_kind(value) == '[') {
       for (const std::string_view element : json_elements(value))
         request.inputs.push_back(input_from_value(name, element));

@@ -36,8 +36,4 @@ Ask ask_from_form(const Operation& operation, std::vector<FormPart> parts);
 /// Throws Error{usage}; what is not understood is refused, not ignored.
 Ask ask_from_json(const Operation& operation, std::string_view body);
 
-/// RFC 4648, padding demanded, blanks and line ends left out. `what` names it in messages. Throws Error{usage}.
-std::string decode_base64(std::string_view text, const std::string& what);
-std::string encode_base64(std::string_view bytes);
-
 }  // namespace terrane

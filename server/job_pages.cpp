@@ -6,6 +6,8 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "server/html.hpp"
+#include "server/pages.hpp"
 #include "server/service.hpp"
 
 namespace terrane {
@@ -114,21 +116,12 @@ JobFilter filter_of(const Call& call) {
   return filter;
 }
 
-std::string encoded(std::string_view text) {
-  std::string result;
-  for (const unsigned char c : text) {
-    if (std::isalnum(c) || c == '-' || c == '.' || c == '_' || c == '~') result += static_cast<char>(c);
-    else result += '%', result += "0123456789ABCDEF"[c >> 4], result += "0123456789ABCDEF"[c & 15];
-  }
-  return result;
-}
-
-/// The same list from another place on.
-std::string page_at(const Call& call, std::size_t offset) {
-  std::string query;
-  for (const auto& [name, text] : call.query)
-    if (name != "offset") query += encoded(name) + "=" + encoded(text) + "&";
-  return base_url(call) + "/jobs?" + query + "offset=" + std::to_string(offset);
+/// One job as JSON or as a page.
+Reply shown(const Call& call, const Job& job) {
+  const Shape shape = shape_wanted(call);
+  const nlohmann::json info = status_info(job, base_url(call));
+  if (shape == Shape::json) return json_reply(info);
+  return html_reply("Job " + job.id, job_html(info));
 }
 
 /// The pieces of "/jobs/ID/results/OUTPUT" after "/jobs".
@@ -171,31 +164,30 @@ std::optional<Reply> Service::answer_jobs(const Call& call) {
 
 Reply Service::job_list(const Call& call) {
   const JobFilter filter = filter_of(call);
+  const Shape shape =
+      shape_wanted(call, {"type", "processID", "status", "datetime", "minDuration", "maxDuration", "limit", "offset"});
   const JobPage page = jobs_.list(filter);
   nlohmann::json jobs = nlohmann::json::array();
   for (const Job& job : page.jobs) jobs.push_back(status_info(job, base_url(call)));
-  const auto link = [&](std::size_t offset, const char* rel) {
-    return nlohmann::json{{"href", page_at(call, offset)}, {"rel", rel}, {"type", "application/json"}, {"title", rel}};
+  nlohmann::json links = shape_links(call, shape);
+  const auto add = [&](std::size_t offset, const char* rel, const char* title) {
+    links.push_back(link(address_with(call, {{"offset", std::to_string(offset)}}), rel,
+                         shape == Shape::json ? "application/json" : "text/html", title));
   };
-  nlohmann::json links = {link(filter.offset, "self")};
-  if (filter.offset + page.jobs.size() < page.matched) links.push_back(link(filter.offset + page.jobs.size(), "next"));
-  if (filter.offset > 0)
-    links.push_back(link(filter.offset > filter.limit ? filter.offset - filter.limit : 0, "prev"));
-  return json_reply({{"jobs", jobs},
-                     {"links", links},
-                     {"numberMatched", page.matched},
-                     {"numberReturned", page.jobs.size()}});
+  if (filter.offset + page.jobs.size() < page.matched) add(filter.offset + page.jobs.size(), "next", "Earlier jobs");
+  if (filter.offset > 0) add(filter.offset - std::min(filter.offset, filter.limit), "prev", "Later jobs");
+  const nlohmann::json list = {
+      {"jobs", jobs}, {"links", links}, {"numberMatched", page.matched}, {"numberReturned", page.jobs.size()}};
+  return shape == Shape::json ? json_reply(list) : html_reply("The jobs", job_list_html(list));
 }
 
-Reply Service::job_page(const Call& call, const std::string& id) {
-  return json_reply(status_info(require_job(id), base_url(call)));
-}
+Reply Service::job_page(const Call& call, const std::string& id) { return shown(call, require_job(id)); }
 
 Reply Service::dismiss_job(const Call& call, const std::string& id) {
   require_job(id);
   const auto job = jobs_.dismiss(id);
   if (!job) throw HttpError(404, "no-such-job", "There is no job of that id any more.");
-  return json_reply(status_info(*job, base_url(call)));
+  return shown(call, *job);
 }
 
 Reply Service::job_results(const Call&, const std::string& id) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "ops/base64.hpp"
 #include "ops/operation.hpp"
 #include "ops/request.hpp"
 #include "ops/sha256.hpp"
@@ -129,6 +130,10 @@ class Answer {
       for (const auto& item : outputs_.items())
         if (item.key() != "certificate") add(item.key());
     if (asked_.ask.as_document && outputs_.contains("certificate")) add("certificate");
+    // Of several outputs some may have no value, which is no fault as long as any is there.
+    std::erase_if(wanted, [&](const OutputAsk& o) { return !outputs_.contains(o.id); });
+    if (wanted.empty() && !asked_.ask.outputs.empty())
+      throw Error(ErrorKind::usage, "no-output", "With these inputs none of the outputs that are asked for has a value.");
     return wanted;
   }
 
@@ -285,12 +290,22 @@ nlohmann::json perform(const fs::path& folder, Context& context, const Resolve& 
   fs::create_directory(out);
   nlohmann::json outputs = nlohmann::json::object();
 
-  const std::string id = process_description(operation)["outputs"].begin().key();
-  OutputFile result(out, id);
-  const auto take = [&](std::string_view piece) { result.write(piece); };
-  const Response response = execute(what.plan, context, {take, true});
-  if (!response.body.empty()) result.write(response.body);
-  outputs[id] = result.keep(response.media_type, response.file_name);
+  Response response;
+  if (operation.outputs.empty()) {
+    const std::string id = process_description(operation)["outputs"].begin().key();
+    OutputFile result(out, id);
+    const auto take = [&](std::string_view piece) { result.write(piece); };
+    response = execute(what.plan, context, {take, true});
+    if (!response.body.empty()) result.write(response.body);
+    outputs[id] = result.keep(response.media_type, response.file_name);
+  } else {
+    response = execute(what.plan, context);
+    for (const ResultPart& part : response.parts) {
+      OutputFile result(out, part.id);
+      result.write(part.body);
+      outputs[part.id] = result.keep(part.media_type, part.file_name);
+    }
+  }
   if (!response.report.is_null()) {
     // A report already holds its certificate.
     const bool holds = response.report.contains("certificate");

@@ -6,73 +6,18 @@
 #include "core/error.hpp"
 #include "ops/errors.hpp"
 #include "ops/operation.hpp"
+#include "server/html.hpp"
+#include "server/pages.hpp"
 
 namespace terrane {
 
 namespace {
 
 constexpr std::string_view json_type = "application/json";
-constexpr std::string_view openapi_type = "application/vnd.oai.openapi+json;version=3.1";
 
-/// "f" of a resource: json, or html where there is such a page.
-enum class Shape { json, html };
-
-Shape shape_wanted(const Call& call, bool has_html, std::string_view media_type) {
-  for (const auto& [name, text] : call.query) {
-    if (name != "f") throw HttpError(400, "unknown-parameter", "There is no parameter " + name + " here; there is f.");
-  }
-  if (const auto f = query_value(call, "f")) {
-    if (*f == "json") return Shape::json;
-    if (*f == "html" && has_html) return Shape::html;
-    throw HttpError(400, "unknown-format", "f is " + *f + "; there is json" + (has_html ? " and html." : "."));
-  }
-  const auto accepted = accepted_media_types(call.accept);
-  // A browser names text/html before anything else; whoever takes anything gets JSON.
-  const auto rank = [&](std::string_view type) {
-    const auto found = std::find(accepted.begin(), accepted.end(), type);
-    return found - accepted.begin();
-  };
-  if (has_html && !accepted.empty() &&
-      rank("text/html") < std::min<std::ptrdiff_t>(std::ssize(accepted), rank(json_type))) {
-    return Shape::html;
-  }
-  if (!is_accepted(accepted, json_type) && !is_accepted(accepted, media_type)) {
-    throw HttpError(406, "not-acceptable",
-                    "This resource is application/json" + std::string(has_html ? " or text/html." : "."));
-  }
-  return Shape::json;
-}
-
-nlohmann::json link(const std::string& href, const std::string& rel, std::string_view type, const std::string& title) {
-  return {{"href", href}, {"rel", rel}, {"type", type}, {"title", title}};
-}
-
-Reply process_list(const Call& call) {
-  nlohmann::json processes = nlohmann::json::array();
-  const std::string base = base_url(call);
-  for (const Operation& operation : catalogue()) {
-    nlohmann::json summary = process_summary(operation);
-    summary["links"] = {link(base + "/processes/" + operation.id, "self", json_type, "Description of " + operation.id)};
-    processes.push_back(std::move(summary));
-  }
-  return json_reply(
-      {{"processes", processes}, {"links", {link(base + "/processes", "self", json_type, "The processes")}}});
-}
-
-Reply process_page(const Call& call, const std::string& id) {
-  const Operation& operation = find_operation(id);
-  nlohmann::json description = process_description(operation);
-  const std::string self = base_url(call) + "/processes/" + id;
-  description["links"] = {
-      link(self, "self", json_type, "This description"),
-      link(self + "/execution", "http://www.opengis.net/def/rel/ogc/1.0/execute", json_type, "Execute")};
-  return json_reply(description);
-}
-
-/// Plain paths, and whether they have a page for people.
 bool is_resource(const std::string& path) {
   return path == "/" || path == "/health" || path == "/ready" || path == "/conformance" || path == "/openapi.json" ||
-         path == "/processes" || (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) ||
+         path == "/api" || path == "/docs" || path == "/processes" || (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) ||
          (path.starts_with("/reports/") && path.find('/', 9) == std::string::npos);
 }
 
@@ -147,26 +92,20 @@ std::optional<Reply> Service::answer_header(const Call& call) {
 }
 
 Reply Service::resource(const Call& call, const std::string& path) {
-  if (path == "/") return shape_wanted(call, true, json_type) == Shape::html ? landing_html(call) : landing_page(call);
-  shape_wanted(call, false, path == "/openapi.json" ? openapi_type : json_type);
-  if (path == "/health") return json_reply({{"status", "ok"}});
+  if (auto page = describe_service(call)) return std::move(*page);
+  const Shape shape = shape_wanted(call);
+  const auto shown = [&](const std::string& title, const nlohmann::json& value) {
+    return shape == Shape::json ? json_reply(value) : html_reply(title, value_html(value));
+  };
+  if (path == "/health") return shown("Health", {{"status", "ok"}});
   if (path == "/ready") {
     if (!admission_.has_room()) throw Error(ErrorKind::busy, "not-ready", "No place is free at the moment.");
-    return json_reply({{"status", "ready"}});
+    return shown("Readiness", {{"status", "ready"}});
   }
-  // Every class of the standard needs its core, which has jobs: nothing is claimed before they are there.
-  if (path == "/conformance") return json_reply({{"conformsTo", nlohmann::json::array()}});
-  if (path == "/openapi.json") {
-    Reply reply = json_reply(openapi());
-    const auto accepted = accepted_media_types(call.accept);
-    reply.media_type = is_accepted(accepted, openapi_type) ? openapi_type : json_type;
-    return reply;
-  }
-  if (path == "/processes") return process_list(call);
-  if (path.starts_with("/processes/")) return process_page(call, path.substr(11));
   const auto report = reports_.get(path.substr(9));
   if (!report)
     throw HttpError(404, "no-such-report", "This report is not there, or no longer; reports are kept for a while.");
+  if (shape == Shape::html) return html_reply("Certificate", value_html(nlohmann::json::parse(*report)));
   return {200, std::string(json_type), {}, *report};
 }
 

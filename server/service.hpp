@@ -105,8 +105,4 @@ std::string base_url(const Call& call);
 /// What a finished execution is answered with: `out` is the folder of its outputs.
 Reply reply_of(const nlohmann::json& outcome, const std::filesystem::path& out);
 
-/// GET / for machines and for people.
-Reply landing_page(const Call& call);
-Reply landing_html(const Call& call);
-
 }  // namespace terrane

@@ -35,7 +35,7 @@ MERGE_QUERY = query(f="obj", overlap="mean", assume_crs="EPSG:25831")
 
 class Resources(unittest.TestCase):
     def test_every_resource_is_json(self):
-        for path in "/", "/health", "/ready", "/processes", "/conformance":
+        for path in "/", "/health", "/ready", "/processes", "/conformance", "/jobs":
             answer = service.get(path)
             self.assertEqual(answer.status, 200, path)
             self.assertEqual(answer.media_type, "application/json", path)
@@ -44,8 +44,10 @@ class Resources(unittest.TestCase):
     def test_links_of_the_landing_page_lead_somewhere(self):
         links = service.get("/").json()["links"]
         relations = {link["rel"] for link in links}
-        self.assertLessEqual({"self", "service-desc", "http://www.opengis.net/def/rel/ogc/1.0/conformance",
-                              "http://www.opengis.net/def/rel/ogc/1.0/processes"}, relations)
+        self.assertLessEqual({"self", "alternate", "service-desc", "service-doc",
+                              "http://www.opengis.net/def/rel/ogc/1.0/conformance",
+                              "http://www.opengis.net/def/rel/ogc/1.0/processes",
+                              "http://www.opengis.net/def/rel/ogc/1.0/job-list"}, relations)
         prefix = f"http://127.0.0.1:{service.port}"
         for link in links:
             self.assertTrue(link["href"].startswith(prefix), link)

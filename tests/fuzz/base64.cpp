@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "fuzz/plan_check.hpp"
+#include "ops/base64.hpp"
 
 // libFuzzer on base64: any bytes come back from their text, and text that is read is that of its bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

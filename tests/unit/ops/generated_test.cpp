@@ -35,7 +35,7 @@ TEST(Catalogue, EveryOperationIsDescribedOnce) {
     EXPECT_TRUE(ids.insert(operation.id).second) << operation.id;
     EXPECT_FALSE(operation.title.empty() || operation.description.empty()) << operation.id;
     EXPECT_FALSE(operation.output_formats.empty()) << operation.id;
-    EXPECT_TRUE(operation.run) << operation.id;
+    EXPECT_NE(static_cast<bool>(operation.run), static_cast<bool>(operation.run_plain)) << operation.id;
     std::set<std::string> names;
     const std::vector<Parameter> common = common_parameters_of(operation);
     for (const auto* list : {&operation.parameters, &common})

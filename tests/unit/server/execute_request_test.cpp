@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "ops/base64.hpp"
 
 namespace terrane {
 namespace {

@@ -57,7 +57,7 @@ class SmallService : public ::testing::Test {
 
 TEST_F(SmallService, ResourcesAnswerByPathMethodAndAccept) {
   for (const char* path :
-       {"/", "/health", "/ready", "/processes", "/processes/merge", "/openapi.json", "/conformance"}) {
+       {"/", "/health", "/ready", "/processes", "/processes/merge", "/openapi.json", "/api", "/docs", "/conformance"}) {
     EXPECT_EQ(status_of(service, get(path)), 200) << path;
     Call call = get(path);
     call.accept = "image/png";

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ops/base64.hpp"
+
 #include <array>
 #include <cstdint>
 
 #include "core/error.hpp"
-#include "server/execute_request.hpp"
 
 namespace terrane {
 
