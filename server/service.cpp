@@ -164,7 +164,7 @@ void Service::check_body_header(const Call& call) const {
     throw HttpError(415, "unknown-content-coding", "The body may be encoded as gzip, deflate or br.");
   }
   const bool is_empty = !chunked && std::stoull(length) == 0;
-  const std::string type = call.content_type.substr(0, call.content_type.find(';'));
+  const std::string type = media_type(call.content_type);
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {
     throw HttpError(415, "unsupported-body",
                     "The body must be multipart/form-data or application/json, not " +
