@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <unordered_map>
 #include <vector>
 
 #include "core/array.hpp"
@@ -81,6 +82,7 @@ struct Arrangement {
   Array<Index> first_spoke;  // of junction j: spokes first_spoke[j] .. first_spoke[j + 1] - 1; none where all is shared
   Array<Index> vertex_of_junction;
   Array<Spoke> spokes;
+  std::unordered_map<std::uint32_t, Index> crowded;  // of junctions with many spokes: which one has a key
 
   Index first_b = 0, first_crossing = 0, first_corner = 0;  // vertices from here on are B's own places, crossings, ...
   Array<Index> place_of_vertex;                             // below first_crossing: a place of A; from first_b on, of B
@@ -135,6 +137,8 @@ struct Arrangement {
     return turn(p, node.index(), straight);
   }
   Piece turn(const Piece& p, Index junction, bool& straight) const;
+  /// The spoke of a junction that has the key, or none.
+  Index spoke_with(Index junction, std::uint32_t key) const;
   /// The face of A that holds the corner of a face of B where its half-edge h begins; none when a piece of A divides
   /// it.
   Index face_of_a_after(Index h) const;

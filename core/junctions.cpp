@@ -10,6 +10,9 @@
 namespace terrane {
 namespace {
 
+/// So many are looked through one by one.
+constexpr std::size_t few_spokes = 32;
+
 class SpokeJoiner {
  public:
   SpokeJoiner(Arrangement& arrangement, const Array<Index> (&node_of)[2])
@@ -68,7 +71,12 @@ class SpokeJoiner {
                   list.end());
     merge();
     label();
-    for (const Leaving& l : merged_) arrangement_.spokes.push_back(l.spoke);
+    for (const Leaving& l : merged_) {
+      if (merged_.size() > few_spokes)
+        for (const std::uint32_t key : l.spoke.key)
+          if (key != Arrangement::no_key) arrangement_.crowded.emplace(key, arrangement_.spokes.size());
+      arrangement_.spokes.push_back(l.spoke);
+    }
   }
 
   void add(int m, const Piece& piece, Index left_face, Point2 toward) {
@@ -148,27 +156,32 @@ void join_spokes(Arrangement& arrangement, const Array<Index> (&node_of)[2]) {
   SpokeJoiner(arrangement, node_of).run();
 }
 
-Piece Arrangement::turn(const Piece& p, Index junction, bool& straight) const {
-  const std::uint32_t back = key(p) ^ 1;
-  const Spoke *begin = &spokes[first_spoke[junction]], *end = &spokes[first_spoke[junction + 1] - 1] + 1;
-  for (const Spoke* s = begin; s != end; ++s) {
-    if (s->key[0] != back && s->key[1] != back) continue;
-    straight = s->straight;
-    const Spoke& turned = *(s == begin ? end - 1 : s - 1);
-    return piece(turned.key[0] != no_key ? turned.key[0] : turned.key[1]);
+Index Arrangement::spoke_with(Index junction, std::uint32_t key) const {
+  const Index begin = first_spoke[junction], end = first_spoke[junction + 1];
+  if (static_cast<std::size_t>(end - begin) > few_spokes) {
+    const auto found = crowded.find(key);
+    return found == crowded.end() || found->second < begin || found->second >= end ? none : found->second;
   }
-  throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
+  for (Index i = begin; i < end; ++i)
+    if (spokes[i].key[0] == key || spokes[i].key[1] == key) return i;
+  return none;
+}
+
+Piece Arrangement::turn(const Piece& p, Index junction, bool& straight) const {
+  const Index s = spoke_with(junction, key(p) ^ 1);
+  if (s == none) throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
+  straight = spokes[s].straight;
+  const Spoke& turned = spokes[(s == first_spoke[junction] ? first_spoke[junction + 1] : s) - 1];
+  return piece(turned.key[0] != no_key ? turned.key[0] : turned.key[1]);
 }
 
 Index Arrangement::face_of_a_after(Index h) const {
   const Index place = mesh[1]->origin(h), junction = junction_of[1][place];
   if (junction == none) return location[1][place].index;
-  const std::uint32_t leaves = key(leaving(1, h));
-  const Index begin = first_spoke[junction], end = first_spoke[junction + 1];
-  for (Index i = begin; i < end; ++i)
-    if (spokes[i].key[1] == leaves)
-      return spokes[i + 1 == end ? begin : i + 1].key[1] == no_key ? none : spokes[i].face_of_a;
-  throw Error(ErrorKind::internal, "junction", "a half-edge does not leave its origin");
+  const Index i = spoke_with(junction, key(leaving(1, h)));
+  if (i == none) throw Error(ErrorKind::internal, "junction", "a half-edge does not leave its origin");
+  const Index after = i + 1 == first_spoke[junction + 1] ? first_spoke[junction] : i + 1;
+  return spokes[after].key[1] == no_key ? none : spokes[i].face_of_a;
 }
 
 }  // namespace terrane

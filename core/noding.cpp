@@ -82,10 +82,10 @@ class Buckets {
   std::vector<Index> listed_;
 };
 
-/// Calls visit(place) for where edges a and b meet inside one of them.
+/// Calls visit(place) for where edges a and b, whose boxes meet, meet inside one of them.
 template <class Visit>
 void meetings(Point2 a0, Point2 a1, Point2 b0, Point2 b1, Visit visit) {
-  if (!meet(box_of(a0, a1), box_of(b0, b1))) return;
+  if ((a0 == b0 && a1 == b1) || (a0 == b1 && a1 == b0)) return;
   const int s0 = orientation(a0, a1, b0), s1 = orientation(a0, a1, b1);
   if (s0 * s1 > 0) return;
   const int t0 = orientation(b0, b1, a0), t1 = orientation(b0, b1, a1);
@@ -101,6 +101,14 @@ bool before(Point2 p, Point2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y)
 
 /// More than that is no map, and would fill the memory.
 constexpr std::size_t most_crossings = 10'000'000;
+
+/// Comparisons of edges that lie close together: some ten seconds' worth. To look whether two cross costs as much as to
+/// pass over many.
+constexpr std::size_t most_work = 4'000'000'000, work_per_edge = 1000, work_to_look = 100;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorKind::limit, "too-many-crossings", "the edges " + what + "; simplify them");
+}
 
 /// Equal points become the first of them; edges without length go.
 void join_equal_points(std::vector<Point2>& points, std::vector<NodedEdge>& edges) {
@@ -122,6 +130,29 @@ void join_equal_points(std::vector<Point2>& points, std::vector<NodedEdge>& edge
   std::erase_if(edges, [](const NodedEdge& e) { return e.from == e.to; });
 }
 
+/// Edges by their ends; those that lie on each other are together, and first[b] is where such a bundle begins.
+struct Bundles {
+  explicit Bundles(const std::vector<NodedEdge>& edges) : order(edges.size()) {
+    const auto ends = [&](Index e) { return std::minmax(edges[e].from, edges[e].to); };
+    for (std::size_t e = 0; e < order.size(); ++e) order[e] = static_cast<Index>(e);
+    std::sort(order.begin(), order.end(), [&](Index e, Index g) { return ends(e) < ends(g); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+      if (i == 0 || ends(order[i]) != ends(order[i - 1])) {
+        first.push_back(i);
+        edge_each.push_back(edges[order[i]]);
+      }
+    first.push_back(order.size());
+  }
+
+  std::span<const Index> in(Index bundle) const {
+    return std::span(order).subspan(first[bundle], first[bundle + 1] - first[bundle]);
+  }
+
+  std::vector<Index> order;
+  std::vector<std::size_t> first;
+  std::vector<NodedEdge> edge_each;
+};
+
 }  // namespace
 
 std::vector<Crossing> find_crossings(std::span<const Point2> points, std::span<const NodedEdge> edges,
@@ -129,19 +160,27 @@ std::vector<Crossing> find_crossings(std::span<const Point2> points, std::span<c
   std::vector<Crossing> found;
   if (edges.empty()) return found;
   const Buckets buckets(points, edges);
+  const std::size_t enough = most_work + work_per_edge * edges.size();
+  std::size_t work = 0;
+  std::vector<std::pair<Box, Index>> near;
   for (std::size_t cell = 0; cell < buckets.cells(); ++cell) {
-    if ((cell & 0xFFF) == 0) context.stop_if_cancelled();
-    const std::span<const Index> near = buckets.in(cell);
-    if (found.size() > most_crossings)
-      throw Error(ErrorKind::limit, "too-many-crossings",
-                  "the edges cross each other more than 10 million times; simplify them");
-    for (std::size_t i = 0; i < near.size(); ++i)
-      for (std::size_t j = i + 1; j < near.size(); ++j) {
-        const NodedEdge &a = edges[near[i]], &b = edges[near[j]];
-        meetings(points[a.from], points[a.to], points[b.from], points[b.to], [&](Point2 at) {
-          found.push_back({at, std::min(near[i], near[j]), std::max(near[i], near[j])});
-        });
+    near.clear();
+    for (const Index e : buckets.in(cell)) near.emplace_back(box_of(points[edges[e].from], points[edges[e].to]), e);
+    // From left to right: where many edges cross, their pieces crowd in few cells.
+    std::sort(near.begin(), near.end(), [](auto& s, auto& t) { return s.first.xmin < t.first.xmin; });
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      context.stop_if_cancelled();
+      if (found.size() > most_crossings) refuse("cross each other more than 10 million times");
+      if (work > enough) refuse("lie so close to each other that too many would have to be compared");
+      for (std::size_t j = i + 1; j < near.size() && near[j].first.xmin <= near[i].first.xmax; ++j, ++work) {
+        if (!meet(near[i].first, near[j].first)) continue;
+        work += work_to_look;
+        const auto [first, second] = std::minmax(near[i].second, near[j].second);
+        const NodedEdge &a = edges[first], &b = edges[second];
+        meetings(points[a.from], points[a.to], points[b.from], points[b.to],
+                 [&, f = first, g = second](Point2 at) { found.push_back({at, f, g}); });
       }
+    }
   }
   // A pair may share several cells.
   const auto key = [](const Crossing& c) { return std::tuple(c.a, c.b, c.at.x, c.at.y); };
@@ -155,7 +194,9 @@ Noded node_edges(std::vector<Point2> points, std::vector<NodedEdge> edges, const
   join_equal_points(points, edges);
   Point2 last;
   for (int round = 0; round < 40; ++round) {
-    const std::vector<Crossing> crossings = find_crossings(points, edges, static_cast<std::size_t>(-1), context);
+    const Bundles bundles(edges);
+    const std::vector<Crossing> crossings =
+        find_crossings(points, bundles.edge_each, static_cast<std::size_t>(-1), context);
     if (crossings.empty()) return {std::move(points), std::move(edges)};
     last = crossings.front().at;
     struct Cut {
@@ -164,13 +205,16 @@ Noded node_edges(std::vector<Point2> points, std::vector<NodedEdge> edges, const
       Point2 at;
     };
     std::vector<Cut> cuts;
-    for (const Crossing& c : crossings)
-      for (const Index e : {c.a, c.b}) {
+    const auto cut_at = [&](Point2 at, Index bundle) {
+      for (const Index e : bundles.in(bundle)) {
         const Point2 p = points[edges[e].from], q = points[edges[e].to];
-        if (c.at == p || c.at == q) continue;
+        if (at == p || at == q) return;
         const double dx = q.x - p.x, dy = q.y - p.y;
-        cuts.push_back({e, std::fabs(dx) >= std::fabs(dy) ? (c.at.x - p.x) / dx : (c.at.y - p.y) / dy, c.at});
+        cuts.push_back({e, std::fabs(dx) >= std::fabs(dy) ? (at.x - p.x) / dx : (at.y - p.y) / dy, at});
+        if (cuts.size() > 2 * most_crossings) refuse("cross each other more than 10 million times");
       }
+    };
+    for (const Crossing& c : crossings) cut_at(c.at, c.a), cut_at(c.at, c.b);
     std::sort(cuts.begin(), cuts.end(), [](const Cut& s, const Cut& t) {
       return std::tie(s.edge, s.along, s.at.x, s.at.y) < std::tie(t.edge, t.along, t.at.x, t.at.y);
     });

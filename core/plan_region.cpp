@@ -205,13 +205,17 @@ PlanRegion filled(const std::vector<Point2>& points, const std::vector<BorderEdg
 /// Where edges of one polygon meet, but for corners that touch: ends that lie on each other or inside another edge are
 /// in order, edges that cross or run along each other are not.
 std::optional<Point2> self_crossing(const Collector& rings, const Context& context) {
-  const std::vector<Crossing> all = find_crossings(rings.points, rings.edges, static_cast<std::size_t>(-1), context);
-  for (const Crossing& c : all) {
-    const NodedEdge &a = rings.edges[c.a], &b = rings.edges[c.b];
-    if (rings.rings[a.owner].polygon != rings.rings[b.owner].polygon) continue;
-    bool touches = false;
-    for (const Index v : {a.from, a.to, b.from, b.to}) touches = touches || rings.points[v] == c.at;
-    if (!touches) return c.at;
+  const std::span<const NodedEdge> all(rings.edges);
+  const auto polygon = [&](std::size_t e) { return rings.rings[all[e].owner].polygon; };
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    while (end < all.size() && polygon(end) == polygon(begin)) ++end;
+    const std::span<const NodedEdge> own = all.subspan(begin, end - begin);
+    for (const Crossing& c : find_crossings(rings.points, own, static_cast<std::size_t>(-1), context)) {
+      const NodedEdge &a = own[c.a], &b = own[c.b];
+      bool touches = false;
+      for (const Index v : {a.from, a.to, b.from, b.to}) touches = touches || rings.points[v] == c.at;
+      if (!touches) return c.at;
+    }
   }
   return {};
 }

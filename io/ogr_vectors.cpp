@@ -22,7 +22,9 @@ namespace terrane {
 namespace {
 
 constexpr double max_unzipped = 1e9;
+constexpr std::size_t max_entries = 1000;  // of a zip file, folders counted: GDAL looks through all of them for each
 constexpr std::size_t max_features = 2'000'000;
+constexpr std::size_t max_drawn = 400'000;  // of a drawing, whose few bytes may insert a block any number of times
 
 void register_vector_drivers() {
   static const bool done = [] {
@@ -54,6 +56,7 @@ class Reader {
 
   Vectors file(std::string_view bytes, const std::string& word) {
     if (word == "gpkg") refuse_programs(bytes);
+    if (word == "shp") check_zip_directory(bytes);
     const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".shz");
     if (word == "shp") check_zip(file.name());
     const char* driver = word == "gpkg" ? "GPKG" : word == "dxf" ? "DXF" : "ESRI Shapefile";
@@ -61,6 +64,7 @@ class Reader {
     const DatasetHandle dataset(static_cast<GDALDataset*>(
         GDALOpenEx(file.name().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr)));
     if (!dataset) bad("wrong-magic", "it cannot be read as " + word + "; it is damaged or cut off, send it again");
+    if (word == "dxf") most_features_ = max_drawn;
     Vectors vectors;
     for (int i = 0; i < dataset->GetLayerCount(); ++i)
       if (OGRLayer* layer = dataset->GetLayer(i)) add_layer(*layer, vectors);
@@ -101,6 +105,26 @@ class Reader {
     return text;
   }
 
+  /// Before GDAL sees the file. What it believes are the numbers at the end of the zip file's directory.
+  void check_zip_directory(std::string_view bytes) const {
+    const std::string_view tail = bytes.substr(bytes.size() - std::min<std::size_t>(bytes.size(), 66'000));
+    const std::size_t at = tail.rfind("PK\5\6"), left = at == std::string_view::npos ? 0 : tail.size() - at;
+    const auto number = [&](std::size_t offset, int size) {
+      std::size_t value = 0;
+      for (int i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(tail[at + offset + i]);
+      return value;
+    };
+    if (left < 22 || number(12, 4) > bytes.size() - left)
+      bad("wrong-magic", "the zip file cannot be read; it is damaged or cut off, send it again");
+    const std::string_view directory = bytes.substr(bytes.size() - left - number(12, 4), number(12, 4));
+    const auto folders =
+        std::count_if(directory.begin(), directory.end(), [](char c) { return c == '/' || c == '\\'; });
+    const bool large = tail.find("PK\6\7") != std::string_view::npos;  // zip64: other numbers count
+    if (large || number(10, 2) + static_cast<std::size_t>(folders) > max_entries)
+      throw Error(ErrorKind::limit, "too-many-entries",
+                  name_ + ": the zip file has more than 1000 files and folders; send the one layer that counts");
+  }
+
   /// What it unpacks to is bounded before it is unpacked.
   void check_zip(const std::string& file) const {
     const std::string folder = "/vsizip/{" + file + "}";  // in braces: .shz is no name of an archive
@@ -129,8 +153,9 @@ class Reader {
       if (!feature) return;
       context_.stop_if_cancelled();
       element_ = "feature " + std::to_string(vectors.features.size());
-      if (vectors.features.size() >= max_features)
-        throw Error(ErrorKind::limit, "too-many-features", name_ + ": more than 2 million features");
+      if (vectors.features.size() >= most_features_)
+        throw Error(ErrorKind::limit, "too-many-features",
+                    name_ + ": more than " + std::to_string(most_features_) + " features; send those that count");
       Feature row;
       for (int i = 0; i < feature->GetFieldCount(); ++i) add_property(*feature, i, row);
       if (const OGRGeometry* geometry = feature->GetGeometryRef()) add_shapes(*geometry, row);
@@ -241,7 +266,7 @@ class Reader {
   const std::string& name_;
   Context& context_;
   std::string element_;
-  std::size_t corners_ = 0;
+  std::size_t corners_ = 0, most_features_ = max_features;
 };
 
 // ---------------------------------------------------------------------------------------------------------- writing

@@ -67,6 +67,9 @@ std::string geotiff(const Raster& raster, const Crs& crs, Context& context) {
     if (out->GetRasterBand(1)->SetNoDataValue(no_data) != CE_None) failed();
     write_rows(*out->GetRasterBand(1), raster, context);
   }
+  if (crs.local())
+    context.warn({"crs-not-held", "", "", "a GeoTIFF cannot say that it is in the local frame " + crs.name(),
+                  "give it again with assume-crs where the file is read"});
   if (crs.known() && !crs.local()) {
     const DatasetHandle in(static_cast<GDALDataset*>(
         GDALOpenEx(file.name().c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr)));

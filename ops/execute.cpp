@@ -186,7 +186,7 @@ std::string encoded(const Outcome& outcome, const nlohmann::json& report, const 
   if (const auto* raster = std::get_if<Raster>(&outcome.result)) return write_raster(*raster, crs, word, context);
   if (const auto* picture = std::get_if<Picture>(&outcome.result)) return write_png(*picture);
   if (const auto* vectors = std::get_if<Vectors>(&outcome.result)) return write_vectors(*vectors, word);
-  if (word == "csv") return outcome.csv;
+  if (word == "csv") return outcome.csv();
   if (word == "png") return write_png(outcome.picture());
   if (word == "json") return report.dump(2) + "\n";
   Vectors made = outcome.features();

@@ -219,7 +219,7 @@ Outcome run(std::vector<Surface>& inputs, const ProfileParameters& p, Context& c
   }
   Outcome outcome;
   outcome.result = report_of(*profiles, context);
-  outcome.csv = csv(*profiles);
+  outcome.csv = [profiles] { return csv(*profiles); };
   outcome.features = [profiles] { return features(*profiles); };
   outcome.picture = [profiles, options = chart_options(crs, p.size)] { return picture(*profiles, options); };
   return outcome;

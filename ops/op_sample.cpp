@@ -94,6 +94,21 @@ std::string property_text(const nlohmann::json& value) {
   return value.is_string() ? csv_cell(value.get_ref<const std::string&>()) : csv_cell(value.dump());
 }
 
+/// Every point of a feature repeats its properties.
+class Repeated {
+ public:
+  void add(std::size_t bytes) {
+    bytes_ += bytes;
+    if (bytes_ > most)
+      throw Error(ErrorKind::limit, "too-many-properties",
+                  "the properties of the points, repeated for each, come to more than 256 MiB; send fewer of them");
+  }
+
+ private:
+  static constexpr std::size_t most = 256 << 20;
+  std::size_t bytes_ = 0;
+};
+
 std::string csv(const Samples& s) {
   const auto properties = property_columns(s);
   std::string text;
@@ -102,6 +117,7 @@ std::string csv(const Samples& s) {
   for (const std::string& column : s.columns) text += "," + csv_cell(column);
   text += "\n";
   std::string own;  // what the feature's properties come to
+  Repeated repeated;
   for (std::size_t k = 0; k < s.places.size(); ++k) {
     const Samples::Place& place = s.places[k];
     if (k == 0 || place.feature != s.places[k - 1].feature) {
@@ -110,6 +126,7 @@ std::string csv(const Samples& s) {
       for (const auto& [name, column] : properties)
         own += (values.contains(name) ? property_text(values[name]) : "") + ",";
     }
+    repeated.add(own.size());
     text += own;
     add_number(text, place.at.x);
     text += ',';
@@ -124,8 +141,13 @@ std::string csv(const Samples& s) {
 /// A point each, at its height where there is one surface, with the heights among the properties.
 Vectors features(const Samples& s) {
   Vectors made;
+  Repeated repeated;
+  std::size_t own = 0;
   for (std::size_t k = 0; k < s.places.size(); ++k) {
     const Samples::Place& place = s.places[k];
+    if (k == 0 || place.feature != s.places[k - 1].feature)
+      own = s.features[place.feature].properties.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).size();
+    repeated.add(own);
     Feature feature = s.features[place.feature];
     if (s.given_heights && !std::isnan(place.at.z)) feature.properties["given_z"] = place.at.z;
     for (std::size_t i = 0; i < s.columns.size(); ++i) {
@@ -157,7 +179,7 @@ Outcome run(std::vector<Surface>& inputs, const SampleParameters& p, Context& co
   }
   Outcome outcome;
   outcome.result = std::move(report);
-  outcome.csv = csv(*s);
+  outcome.csv = [s] { return csv(*s); };
   outcome.features = [s] { return features(*s); };
   return outcome;
 }

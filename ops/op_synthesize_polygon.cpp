@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 
+#include "core/error.hpp"
 #include "core/synthesize.hpp"
+#include "core/validate.hpp"
 #include "ops/operations.hpp"
 #include "ops/synthesis.hpp"
 
@@ -51,6 +54,11 @@ void refuse_loops(const std::vector<Point2>& points, int samples, Context& conte
 Outcome run(std::vector<Surface>&, const PolygonParameters& p, const Crs& crs, Context& context) {
   std::vector<Point2> points;
   for (const Point& q : p.points->points()) points.push_back(plan(q));
+  for (const Point2 q : points)
+    if (std::fabs(q.x) > largest_coordinate || std::fabs(q.y) > largest_coordinate)
+      throw Error(ErrorKind::input, "overflow",
+                  "parameter 'points': the place " + nlohmann::json(q.x).dump() + ", " + nlohmann::json(q.y).dump() +
+                      " is too far away to compute with; coordinates up to 1e100 can be");
   points = without_repeats(points);
   if (points.size() < 3)
     throw Error(ErrorKind::input, "too-few-points",

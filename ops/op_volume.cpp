@@ -144,7 +144,7 @@ Outcome run(std::vector<Surface>& inputs, const VolumeParameters& p, Context& co
     outcome.result = report.polygons();
     return outcome;
   }
-  outcome.csv = report.csv();
+  outcome.csv = [text = report.csv()] { return text; };
   outcome.result = report.json();
   return outcome;
 }

@@ -40,7 +40,7 @@ using Decider = std::function<Index(const std::vector<std::optional<double>>& in
 struct Outcome {
   std::variant<Tin, Raster, Picture, Vectors, nlohmann::json> result;
   // What a report can be besides, where the operation has it.
-  std::string csv;
+  std::function<std::string()> csv;
   std::function<Vectors()> features;
   std::function<Picture()> picture;
   std::optional<RoundingReport> rounding;

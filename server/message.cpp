@@ -120,6 +120,10 @@ bool is_accepted(const std::vector<std::string>& accepted, std::string_view medi
   });
 }
 
+std::string media_type(std::string_view content_type) {
+  return lower(trimmed(content_type.substr(0, content_type.find(';'))));
+}
+
 std::string header_text(std::string_view text) {
   std::string result;
   for (const char c : text) result += c < ' ' || c > '~' || c == '"' || c == '\\' ? '_' : c;

@@ -89,6 +89,9 @@ std::vector<std::string> accepted_media_types(std::string_view accept);
 /// True when one of the ranges ("*/*", "image/*", "text/html") covers the media type, or there are none.
 bool is_accepted(const std::vector<std::string>& accepted, std::string_view media_type);
 
+/// A Content-Type without its parameters, in small letters: media types are the same however they are written.
+std::string media_type(std::string_view content_type);
+
 /// Text for a quoted string in a header: printable ASCII, no quotes, no backslashes.
 std::string header_text(std::string_view text);
 

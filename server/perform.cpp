@@ -34,7 +34,7 @@ struct Asked {
 Ask ask_from_body(const Operation& operation, const Order& order, const fs::path& body) {
   const OpenFile file(body);
   if (file.size() == 0) return {};
-  if (!order.content_type.starts_with("multipart/form-data")) return ask_from_json(operation, file.text());
+  if (media_type(order.content_type) != "multipart/form-data") return ask_from_json(operation, file.text());
   MultipartParser form(multipart_boundary(order.content_type), [&](const FormPart& part) {
     const auto& slots = operation.inputs;
     const bool is_input = std::any_of(slots.begin(), slots.end(), [&](const auto& s) { return s.name == part.name; });

@@ -137,7 +137,7 @@ void Service::check_body_header(const Call& call) const {
   }
   if (call.path == "/uploads") return;
   const bool is_empty = !chunked && std::stoull(length) == 0;
-  const std::string type = call.content_type.substr(0, call.content_type.find(';'));
+  const std::string type = media_type(call.content_type);
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {
     throw HttpError(415, "unsupported-body",
                     "The body must be multipart/form-data or application/json, not " +

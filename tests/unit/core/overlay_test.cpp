@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
+#include "core/volume.hpp"
 #include "support/oracle.hpp"
 #include "support/terrains.hpp"
 
@@ -232,6 +233,28 @@ TEST(overlay, the_pairs_that_broke_other_overlays) {
                                      {"grid 12 x 13", grid_terrain(12, true), grid_terrain(13, false)},
                                      {"simplified", t, simplified(t)}};
     for (const Pair& pair : pairs) expect_overlay_right({pair.name + (utm ? " utm" : ""), at(pair.a), at(pair.b)});
+  }
+}
+
+/// Faces around (0, 0), the first corner of the outline at `turn` of a face.
+Tin fan(int faces, double turn, double z) {
+  Tin tin;
+  tin.vertices.push_back({0, 0, 0});
+  for (int k = 0; k < faces; ++k) {
+    const double angle = 2 * M_PI * (k + turn) / faces;
+    tin.vertices.push_back({100 * std::cos(angle), 100 * std::sin(angle), z * (k % 7)});
+    tin.faces.push_back({0, k + 1, (k + 1) % faces + 1});
+  }
+  return tin;
+}
+
+TEST(Overlay, FansAroundOnePlace) {
+  Context context;
+  for (const int faces : {10, 100, 1000}) {
+    const Overlay both = overlay(fan(faces, 0, 1), fan(faces, 0.3, 2), {}, context);
+    expect_valid(both);
+    EXPECT_NEAR(area_of(both, true, false), plan_area(fan(faces, 0, 1)), 1e-6) << faces;
+    EXPECT_NEAR(area_of(both, false, true), plan_area(fan(faces, 0.3, 2)), 1e-6) << faces;
   }
 }
 

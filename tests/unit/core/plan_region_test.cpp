@@ -145,6 +145,38 @@ TEST(Noding, EdgesMeetAtTheirEndsOnly) {
   }
 }
 
+Polygon circle(double x, double radius, int corners) {
+  Polygon made;
+  for (int k = 0; k < corners; ++k)
+    made.outer.push_back({x + radius * std::cos(2 * M_PI * k / corners), radius * std::sin(2 * M_PI * k / corners), 0});
+  return made;
+}
+
+TEST(Noding, ManyRingsInOnePlaceAreComparedOnce) {
+  // Every edge of one beside every edge of the others took minutes.
+  const Polygon one = circle(0, 10, 90);
+  EXPECT_EQ(region(std::vector<Polygon>(20000, one)).tin, region({one}).tin);
+}
+
+TEST(Noding, PiecesCrowdWhereEdgesCrossAndAreFoundQuickly) {
+  // Half a million crossings near a circle of a thousandth of the size: in few cells.
+  Polygon star;
+  for (int k = 0; k < 999; ++k)
+    star.outer.push_back({40 * std::cos(k * 499 * 2 * M_PI / 999), 40 * std::sin(k * 499 * 2 * M_PI / 999), 0});
+  EXPECT_GT(region({star}).tin.faces.size(), 400'000u);
+}
+
+TEST(Noding, WhatLiesTooCloseIsRefusedInTime) {
+  std::vector<Polygon> rings;
+  for (int k = 0; k < 20000; ++k) rings.push_back(circle(0, 10 + k * 1e-9, 90));
+  try {
+    region(rings);
+    ADD_FAILURE() << "compared all";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, "too-many-crossings");
+  }
+}
+
 TEST(RegionCells, NeverTakeTheWrongSide) {
   support::Random random(7);
   for (int round = 0; round < 30; ++round) {

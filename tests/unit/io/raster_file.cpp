@@ -55,6 +55,13 @@ TEST(RasterFile, GeoTiffsKeepTheCrsWithItsVerticalPart) {
   }
 }
 
+TEST(RasterFile, GeoTiffsCannotHoldALocalFrameAndSaySo) {
+  Context context;
+  write_raster(numbers(2, 2), Crs::parse("local:m"), "tif", context);
+  ASSERT_EQ(context.warnings.size(), 1u);
+  EXPECT_EQ(context.warnings[0].code, "crs-not-held");
+}
+
 TEST(RasterFile, AHeightThatIsTheNoDataValueIsNoVoid) {
   Raster r = numbers(2, 2);
   r.samples[0] = -9999;

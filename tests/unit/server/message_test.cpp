@@ -27,6 +27,12 @@ TEST(Accept, RangesCoverTypes) {
   EXPECT_FALSE(is_accepted({"image/png"}, "model/obj"));
 }
 
+TEST(MediaType, IsTheSameHoweverItIsWritten) {
+  EXPECT_EQ(media_type("Multipart/Form-Data ; boundary=X"), "multipart/form-data");
+  EXPECT_EQ(media_type("application/json"), "application/json");
+  EXPECT_EQ(media_type(""), "");
+}
+
 TEST(Problems, TellOnlyWhatIsTheClients) {
   const Reply ours = problem_reply(std::runtime_error("password"));
   EXPECT_EQ(ours.status, 500);
