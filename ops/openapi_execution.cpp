@@ -51,8 +51,9 @@ Json example_inputs(const Operation& operation) {
   const bool has_required = std::any_of(operation.inputs.begin(), operation.inputs.end(),
                                         [](const InputSlot& slot) { return slot.min_occurs > 0; });
   for (const InputSlot& slot : operation.inputs) {
-    // Where nothing is required one of several has to be chosen.
-    if (has_required ? slot.min_occurs == 0 : &slot != &operation.inputs.front()) continue;
+    // Where nothing is required one of several has to be chosen; one that is not may still be in the example.
+    const bool is_wanted = slot.min_occurs > 0 || inputs.size() < operation.example.files.size();
+    if (has_required ? !is_wanted : &slot != &operation.inputs.front()) continue;
     Json value = {{"value", example_surface(lift)}, {"mediaType", "application/json"}};
     if (takes_binary) value["value"] = example_level(lift > 9 ? 255 : 0);
     if (operation.intake.raster_only) value = {{"value", example_grid}, {"mediaType", "application/x-esri-ascii-grid"}};

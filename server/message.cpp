@@ -121,7 +121,7 @@ bool is_accepted(const std::vector<std::string>& accepted, std::string_view medi
 }
 
 std::string media_type(std::string_view content_type) {
-  return lower(trimmed(content_type.substr(0, content_type.find(';'))));
+  return small_letters(trimmed_field(content_type.substr(0, content_type.find(';'))));
 }
 
 std::string header_text(std::string_view text) {
