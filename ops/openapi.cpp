@@ -23,6 +23,7 @@ constexpr Refusal refusals[] = {
     {408, "timeout", "The request was sent too slowly.", false},
     {410, "gone", "The job was dismissed, and what came of it is gone.", false},
     {411, "length-required", "The body has neither a length nor chunks.", false},
+    {412, "content-differs", "It is not what If-Match says any more.", false},
     {413, "too-large", "Larger than the limits, or more work than is done while a client waits.", false},
     {414, "path-too-long", "The path with its query is longer than 8192 bytes.", true},
     {415, "unsupported-media-type", "The body or an input is in a format that is not read.", false},
@@ -50,8 +51,19 @@ Json responses(Json given, std::initializer_list<int> further) {
   return given;
 }
 
-Json refusal_components() {
-  Json list = Json::object();
+Json found(const Json& ok, std::initializer_list<int> further) {
+  Json all = responses({{"200", ok}}, further);
+  all.update(responses(Json::object(), {412, 416}));
+  for (const auto& [status, name] : {std::pair{"206", "part"}, std::pair{"304", "not-modified"}})
+    all[status] = {{"$ref", std::string("#/components/responses/") + name}};
+  return all;
+}
+
+Json response_components() {
+  Json list = {{"not-modified", {{"description", "It is what the client has, as If-None-Match says."}}},
+               {"part",
+                {{"description", "The range that was asked for."},
+                 {"content", {{"*/*", {{"schema", {{"type", "string"}, {"format", "binary"}}}}}}}}}};
   for (const Refusal& r : refusals) {
     list[r.name] = {{"description", r.description},
                     {"content", {{"application/problem+json", {{"schema", schema("exception")}}}}}};
@@ -87,7 +99,7 @@ Json get(const std::string& id, const std::string& summary, const std::string& d
             {"description", description},
             {"tags", {"service"}},
             {"parameters", Json::array({f_parameter()})},
-            {"responses", responses({{"200", ok}}, further)}}}};
+            {"responses", found(ok, further)}}}};
 }
 
 Json path_parameter(const std::string& name, const Json& schema, const std::string& description) {
@@ -136,6 +148,11 @@ Json service_paths() {
        get("getApi31", "This interface as OpenAPI 3.1", "The whole service in OpenAPI 3.1.", openapi_response("3.1"))},
       {"/docs", get("getDocs", "This interface as a page", "The whole service as a page to read.",
                     {{"description", "The page."}, {"content", {{"text/html", html_content()}}}})}};
+  paths["/metrics"] = get("getMetrics", "Metrics", "What the service does, for Prometheus.",
+                          {{"description", "The metrics."}, {"content", {{"text/plain", html_content()}}}});
+  paths["/metrics"]["get"].erase("parameters");
+  // Whoever looks whether the service lives needs no token.
+  for (const char* path : {"/health", "/ready"}) paths[path]["get"]["security"] = Json::array();
   paths["/docs"]["get"]["parameters"][0]["schema"]["enum"] = {"html"};
   Json& list = paths["/processes"]["get"]["parameters"];
   list.push_back(limit_parameter());
@@ -176,7 +193,7 @@ nlohmann::json openapi() {
           {"paths", paths},
           {"components",
            {{"schemas", schemas()},
-            {"responses", refusal_components()},
+            {"responses", response_components()},
             {"callbacks", callbacks()},
             {"securitySchemes",
              {{"token",

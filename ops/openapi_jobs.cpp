@@ -44,14 +44,10 @@ Json path_parameter(const char* name, const char* description) {
 
 Json binary() { return {{"type", "string"}, {"format", "binary"}}; }
 
-/// A result: the whole of it, a part, or word that it is what the client has.
 Json result_answers(const std::string& description, Json ok) {
   ok["description"] = description;
   ok["headers"] = {{"ETag", {{"description", "Of the bytes."}, {"schema", text}}}};
-  const Json part = {{"description", "The range that was asked for."},
-                     {"content", {{"application/octet-stream", {{"schema", binary()}}}}}};
-  return responses({{"200", ok}, {"206", part}, {"304", {{"description", "It is what the client has."}}}},
-                   {404, 410, 416});
+  return found(ok, {404, 410});
 }
 
 Json results_paths() {
@@ -94,11 +90,11 @@ Json job_paths() {
   Json paths = {
       {"/jobs",
        {{"get", operation("getJobs", "The jobs", "Jobs that fit every condition, the latest first.", "jobs",
-                          list_parameters(), responses({{"200", page_response("The jobs.", schema("jobList"))}}))}}},
+                          list_parameters(), found(page_response("The jobs.", schema("jobList"))))}}},
       {"/jobs/{jobId}",
        {{"parameters", {job}},
         {"get", operation("getStatus", "One job", "How far a job is.", "jobs", Json::array({f_parameter()}),
-                          responses({{"200", page_response("The status.", schema("statusInfo"))}}, {404}))},
+                          found(page_response("The status.", schema("statusInfo")), {404}))},
         {"delete",
          operation("dismiss", "Dismiss a job", "Stops the work and removes what came of it.", "jobs",
                    Json::array({f_parameter()}),

@@ -133,7 +133,8 @@ Reply html_reply(const std::string& title, const std::string& body) {
 }
 
 std::string conformance_html(const Json& classes) {
-  return "<p>This service conforms to</p>\n" + value_html(classes.at("conformsTo"));
+  return "<p>This service conforms to</p>\n" + value_html(classes.at("conformsTo")) + "<h2>Links</h2>\n" +
+         links_html(classes.at("links"));
 }
 
 std::string process_list_html(const Json& list) {

@@ -118,10 +118,7 @@ JobFilter filter_of(const Call& call) {
 
 /// One job as JSON or as a page.
 Reply shown(const Call& call, const Job& job) {
-  const Shape shape = shape_wanted(call);
-  const nlohmann::json info = status_info(job, base_url(call));
-  if (shape == Shape::json) return json_reply(info);
-  return html_reply("Job " + job.id, job_html(info));
+  return shaped(shape_wanted(call), "Job " + job.id, status_info(job, base_url(call)), job_html);
 }
 
 /// The pieces of "/jobs/ID/results/OUTPUT" after "/jobs".
@@ -178,7 +175,7 @@ Reply Service::job_list(const Call& call) {
   if (filter.offset > 0) add(filter.offset - std::min(filter.offset, filter.limit), "prev", "Later jobs");
   const nlohmann::json list = {
       {"jobs", jobs}, {"links", links}, {"numberMatched", page.matched}, {"numberReturned", page.jobs.size()}};
-  return shape == Shape::json ? json_reply(list) : html_reply("The jobs", job_list_html(list));
+  return shaped(shape, "The jobs", list, job_list_html);
 }
 
 Reply Service::job_page(const Call& call, const std::string& id) { return shown(call, require_job(id)); }

@@ -6,6 +6,7 @@
 
 #include "ops/describe.hpp"
 #include "ops/operation.hpp"
+#include "server/header_fields.hpp"
 #include "server/html.hpp"
 #include "server/service.hpp"
 
@@ -79,8 +80,7 @@ Reply conformance(const Call& call) {
        {"core", "ogc-process-description", "json", "html", "oas30", "job-list", "callback", "dismiss"})
     classes.push_back(std::string("http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/") + name);
   const Json value = {{"conformsTo", classes}, {"links", shape_links(call, shape)}};
-  if (shape == Shape::json) return json_reply(value);
-  return html_reply("Conformance", conformance_html(value) + "<h2>Links</h2>\n" + links_html(value["links"]));
+  return shaped(shape, "Conformance", value, conformance_html);
 }
 
 Reply processes(const Call& call) {
@@ -105,7 +105,7 @@ Reply processes(const Call& call) {
     links.push_back(link(address_with(call, {{"offset", std::to_string(offset - std::min(offset, limit))}}), "prev",
                          shape == Shape::json ? json_type : html_type, "The operations before"));
   const Json value = {{"processes", list}, {"links", links}};
-  return shape == Shape::json ? json_reply(value) : html_reply("The operations", process_list_html(value));
+  return shaped(shape, "The operations", value, process_list_html);
 }
 
 Reply process(const Call& call, const std::string& id) {
@@ -126,6 +126,22 @@ Reply interface(const Call& call, const char* media_type, const Json& document) 
   Reply reply = json_reply(document);
   reply.media_type = is_accepted(accepted_media_types(call.accept), media_type) ? media_type : json_type;
   return reply;
+}
+
+std::optional<Reply> description(const Call& call) {
+  const std::string& path = call.path;
+  if (path == "/") return landing(call);
+  if (path == "/conformance") return conformance(call);
+  if (path == "/processes") return processes(call);
+  if (path == "/openapi.json") return interface(call, openapi_31_type, openapi());
+  if (path == "/api") return interface(call, openapi_30_type, openapi_30());
+  if (path == "/docs") {
+    if (shape_wanted(call, {}, html_type) == Shape::json && query_value(call, "f"))
+      throw HttpError(400, "unknown-format", "This is a page; the same as JSON is at /api and /openapi.json.");
+    return docs();
+  }
+  if (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) return process(call, path.substr(11));
+  return std::nullopt;
 }
 
 }  // namespace
@@ -180,20 +196,16 @@ Json shape_links(const Call& call, Shape shape) {
           link(page, "alternate", html_type, "This as a page to read")};
 }
 
+Reply shaped(Shape shape, const std::string& title, const Json& value, std::string (*page)(const Json&)) {
+  Reply reply = shape == Shape::json ? json_reply(value) : html_reply(title, page(value));
+  vary_on(reply, "Accept");
+  return reply;
+}
+
 std::optional<Reply> describe_service(const Call& call) {
-  const std::string& path = call.path;
-  if (path == "/") return landing(call);
-  if (path == "/conformance") return conformance(call);
-  if (path == "/processes") return processes(call);
-  if (path == "/openapi.json") return interface(call, openapi_31_type, openapi());
-  if (path == "/api") return interface(call, openapi_30_type, openapi_30());
-  if (path == "/docs") {
-    if (shape_wanted(call, {}, html_type) == Shape::json && query_value(call, "f"))
-      throw HttpError(400, "unknown-format", "This is a page; the same as JSON is at /api and /openapi.json.");
-    return docs();
-  }
-  if (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) return process(call, path.substr(11));
-  return std::nullopt;
+  auto reply = description(call);
+  if (reply) vary_on(*reply, "Accept");
+  return reply;
 }
 
 }  // namespace terrane

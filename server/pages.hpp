@@ -19,6 +19,10 @@ enum class Shape { json, html };
 Shape shape_wanted(const Call& call, std::initializer_list<std::string_view> others = {},
                    std::string_view media_type = "application/json");
 
+/// A value in its shape; `page` makes the body of the page.
+Reply shaped(Shape shape, const std::string& title, const nlohmann::json& value,
+             std::string (*page)(const nlohmann::json&));
+
 nlohmann::json link(const std::string& href, const std::string& rel, const std::string& type, const std::string& title);
 /// The address of a call again, with other values of some parameters; an empty value leaves one out.
 std::string address_with(const Call& call, const TextPairs& changed);

@@ -94,18 +94,15 @@ std::optional<Reply> Service::answer_header(const Call& call) {
 Reply Service::resource(const Call& call, const std::string& path) {
   if (auto page = describe_service(call)) return std::move(*page);
   const Shape shape = shape_wanted(call);
-  const auto shown = [&](const std::string& title, const nlohmann::json& value) {
-    return shape == Shape::json ? json_reply(value) : html_reply(title, value_html(value));
-  };
-  if (path == "/health") return shown("Health", {{"status", "ok"}});
+  if (path == "/health") return shaped(shape, "Health", {{"status", "ok"}}, value_html);
   if (path == "/ready") {
     if (!admission_.has_room()) throw Error(ErrorKind::busy, "not-ready", "No place is free at the moment.");
-    return shown("Readiness", {{"status", "ready"}});
+    return shaped(shape, "Readiness", {{"status", "ready"}}, value_html);
   }
   const auto report = reports_.get(path.substr(9));
   if (!report)
     throw HttpError(404, "no-such-report", "This report is not there, or no longer; reports are kept for a while.");
-  if (shape == Shape::html) return html_reply("Certificate", value_html(nlohmann::json::parse(*report)));
+  if (shape == Shape::html) return shaped(shape, "Certificate", nlohmann::json::parse(*report), value_html);
   return {200, std::string(json_type), {}, *report};
 }
 

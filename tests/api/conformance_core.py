@@ -11,7 +11,7 @@ VALUES = {name: "value" for name in ECHO}
 class CoreTests(Conformance):
     name = "core"
 
-    # --- landing page, interface, conformance ---------------------------------------------------------------------------
+    # --- landing page, interface, conformance -------------------------------------------------------------------------
 
     def test_landingpage_op(self):
         self.get("/")
@@ -48,7 +48,7 @@ class CoreTests(Conformance):
             self.assertEqual((response.version, response.status), (11, 200), path)
             connection.close()
 
-    # --- processes ------------------------------------------------------------------------------------------------------
+    # --- processes ----------------------------------------------------------------------------------------------------
 
     def test_process_list(self):
         self.get("/processes")
@@ -102,7 +102,7 @@ class CoreTests(Conformance):
         self.exception(self.service.get("/processes/nothing"), 404, "no-such-process")
         self.exception(self.service.post_json("nothing", {"inputs": {}}), 404, "no-such-process")
 
-    # --- executions -----------------------------------------------------------------------------------------------------
+    # --- executions ---------------------------------------------------------------------------------------------------
 
     def test_job_creation_op(self):
         self.assert_value(self.echo({"answer": "value"}))
@@ -231,7 +231,7 @@ class CoreTests(Conformance):
     def test_job_creation_success_async(self):
         self.accepted(self.echo(**ASYNC))
 
-    # --- jobs -----------------------------------------------------------------------------------------------------------
+    # --- jobs ---------------------------------------------------------------------------------------------------------
 
     def test_job_op(self):
         self.get("/jobs/" + self.accepted(self.echo(**ASYNC)))

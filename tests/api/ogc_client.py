@@ -19,7 +19,8 @@ ASYNC = {"Prefer": "respond-async"}
 BINARY = bytes(range(256))
 ECHO = {"answer": "teststring", "array": [1, 2.5], "flag": True, "number": 4.25, "object": {"value": {"a": [1, None]}},
         "bbox": {"bbox": [7, 51.9, 7.1, 52], "crs": "http://www.opengis.net/def/crs/OGC/1.3/CRS84"},
-        "file": {"value": base64.b64encode(BINARY).decode(), "format": {"mediaType": "image/tiff", "encoding": "base64"}}}
+        "file": {"value": base64.b64encode(BINARY).decode(),
+                 "format": {"mediaType": "image/tiff", "encoding": "base64"}}}
 OVER = ("successful", "failed", "dismissed")
 
 tally = collections.defaultdict(lambda: [0, 0])
@@ -160,7 +161,7 @@ class Conformance(unittest.TestCase):
         """Those of an accepted job, when it is done."""
         return self.service.get(f"/jobs/{self.done(answer)}/results")
 
-    # --- what each kind of answer must look like -----------------------------------------------------------------------
+    # --- what each kind of answer must look like ----------------------------------------------------------------------
 
     def assert_value(self, answer, output="answer"):
         self.assertEqual(answer.status, 200, answer.body)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What OGC API - Processes 1.0 demands of documents: its schemas in our words, with a validator for as much of JSON Schema
-as they need; of OpenAPI 3.0 and of HTML what can be told without a library."""
+"""What OGC API - Processes 1.0 demands of documents: its schemas in our words, with a validator for as much of JSON
+Schema as they need; of OpenAPI 3.0 and of HTML what can be told without a library."""
 import html.parser
 import re
 

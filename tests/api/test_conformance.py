@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The abstract tests of OGC 18-062r2, one method each, named as they are: 82 in eight classes. Those of class core are in
-conformance_core.py. Methods with `extra` in their names are tests that the published annex leaves out."""
+"""The abstract tests of OGC 18-062r2, one method each, named as they are: 82 in eight classes. Those of class core are
+in conformance_core.py. Methods with `extra` in their names are tests that the published annex leaves out."""
 import datetime
 import sys
 import time
