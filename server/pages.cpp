@@ -119,11 +119,14 @@ Reply process(const Call& call, const std::string& id) {
   return html_reply(operation.id, process_html(description, example_command(operation, base_url(call))));
 }
 
-Reply docs() { return html_reply("The interface", docs_html(openapi_30())); }
+// The interface is the same for everybody, and making it takes longer than most work does: it is made once.
+Reply docs() {
+  static const Reply reply = html_reply("The interface", docs_html(openapi_30()));
+  return reply;
+}
 
-Reply interface(const Call& call, const char* media_type, const Json& document) {
+Reply interface(const Call& call, const char* media_type, Reply reply) {
   if (shape_wanted(call, {}, media_type) == Shape::html) return docs();
-  Reply reply = json_reply(document);
   reply.media_type = is_accepted(accepted_media_types(call.accept), media_type) ? media_type : json_type;
   return reply;
 }
@@ -133,8 +136,14 @@ std::optional<Reply> description(const Call& call) {
   if (path == "/") return landing(call);
   if (path == "/conformance") return conformance(call);
   if (path == "/processes") return processes(call);
-  if (path == "/openapi.json") return interface(call, openapi_31_type, openapi());
-  if (path == "/api") return interface(call, openapi_30_type, openapi_30());
+  if (path == "/openapi.json") {
+    static const Reply reply = json_reply(openapi());
+    return interface(call, openapi_31_type, reply);
+  }
+  if (path == "/api") {
+    static const Reply reply = json_reply(openapi_30());
+    return interface(call, openapi_30_type, reply);
+  }
   if (path == "/docs") {
     if (shape_wanted(call, {}, html_type) == Shape::json && query_value(call, "f"))
       throw HttpError(400, "unknown-format", "This is a page; the same as JSON is at /api and /openapi.json.");
