@@ -89,7 +89,7 @@ Resolve Service::resolver(const fs::path& folder, const std::string& base) const
   return [this, folder, base](const std::string& href) { return references_.resolve(folder, base, href); };
 }
 
-Service::Spooled Service::spool(const Call&, const BodySource& body, const fs::path& path) {
+Service::Spooled Service::spool(const BodySource& body, const fs::path& path) {
   NewFile file(path);
   Sha256 hash;
   Spooled spooled;
@@ -114,7 +114,7 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
   const bool later = prefers(call, "respond-async");
   Folder folder(data_.work(random_id()));
   const Clock::time_point start = Clock::now();
-  const Spooled spooled = spool(call, body, folder.path() / "body");
+  const Spooled spooled = spool(body, folder.path() / "body");
   const Order order{random_id(),      operation.id, base_url(call),
                     call.content_type, call.accept,  call.query,
                     static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
@@ -209,7 +209,7 @@ Reply Service::run_later(const Order& order, Folder& folder, const Call& call, c
 Reply Service::upload(const Call& call, const BodySource& body) {
   const std::string id = random_id();
   Folder folder(data_.work(id));
-  const Spooled spooled = spool(call, body, folder.path() / "body");
+  const Spooled spooled = spool(body, folder.path() / "body");
   const std::string name = plain_name(query_value(call, "name").value_or(""));
   write_file(folder.path() / "upload.json",
              nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());

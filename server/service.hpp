@@ -67,7 +67,7 @@ class Service {
     std::size_t size = 0;
     std::string fingerprint;
   };
-  Spooled spool(const Call& call, const BodySource& body, const std::filesystem::path& file);
+  Spooled spool(const BodySource& body, const std::filesystem::path& file);
   Reply run_now(const Order& order, Folder& folder, const std::function<bool()>& client_is_gone);
   Reply run_later(const Order& order, Folder& folder, const Call& call, const Spooled& spooled);
   void keep_as_job(const Order& order, Folder& folder, nlohmann::json& outcome, Instant started);

@@ -16,6 +16,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <new>
 
 #include "core/error.hpp"
 #include "io/geodesy.hpp"
@@ -91,6 +92,12 @@ nlohmann::json work(const nlohmann::json& order, WorkerChannel& channel) {
   WorkerChannel channel(assignment.channel);
   try {
     channel.send({{"done", work(assignment.order, channel)}});
+  } catch (const std::bad_alloc&) {
+    const std::uint64_t megabytes = assignment.order.at("memory").get<std::uint64_t>() >> 20;
+    channel.send({{"failure", failure_message(Error(
+                                  ErrorKind::limit, "out-of-memory",
+                                  "The work needs more than the " + std::to_string(megabytes) +
+                                      " MB that one execution may take (--job-memory); use fewer or smaller inputs."))}});
   } catch (const std::exception& exception) {
     channel.send({{"failure", failure_message(exception)}});
   }

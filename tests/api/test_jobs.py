@@ -243,6 +243,24 @@ class JobsOfOneService(unittest.TestCase):
             self.assertNotIn("unlimited", [line.split()[3] for line in limits if line.startswith("Max address space")])
 
 
+class Limits(unittest.TestCase):
+    def test_memory_and_time_of_one_execution(self):
+        service = Service("--job-memory", "200M", "--sync-time", "3", "--sync-limit", "4M")
+        large, small = [("dem", File("h.asc", hills(900)))], [("dem", File("h.asc", hills(250)))]
+        job = submit(service, large, "triangulate", LONG).json()["jobID"]
+        status = wait_for(service, job)
+        self.assertEqual(status["status"], "failed")
+        self.assertIn("200 MB", status["message"])
+        self.assertEqual(service.get(f"/jobs/{job}/results").status, 413)
+        slow = service.post_json("echo", {"inputs": {"pause": 20, "answer": "x"}})
+        self.assertEqual((slow.status, slow.json()["type"]), (413, "/problems/too-slow"))
+        too_large = service.post_form("triangulate", [("dem", File("h.asc", hills(1100)))], LONG)
+        self.assertEqual(too_large.status, 413)
+        self.assertIn("respond-async", too_large.json()["detail"])
+        self.assertEqual(service.post_form("triangulate", small, LONG).status, 200)
+        self.assertEqual(service.close(), 0)
+
+
 class Kills(unittest.TestCase):
     def test_jobs_survive_a_kill(self):
         service = Service()
