@@ -118,8 +118,9 @@ void PostgresqlServer::give(const std::filesystem::path& folder) const {
 
 pid_t PostgresqlServer::spawn(const std::vector<std::string>& words) const {
   const std::string program = programs / words[0], log = folder_.path / "log";
-  std::vector<char*> arguments;
-  for (const std::string& text : words) arguments.push_back(const_cast<char*>(text.c_str()));
+  // Its own name in full: it looks for its companions beside itself, and in PATH when its name has no folder.
+  std::vector<char*> arguments{const_cast<char*>(program.c_str())};
+  for (std::size_t i = 1; i < words.size(); ++i) arguments.push_back(const_cast<char*>(words[i].c_str()));
   arguments.push_back(nullptr);
   const passwd* user = other_user();
   const pid_t child = fork();
