@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdlib>
 
 #include "core/error.hpp"
 #include "ops/parameters.hpp"
@@ -37,7 +39,11 @@ std::string readable_formats() {
 std::string label(const InputPart& part) { return part.name.empty() ? part.slot : part.name; }
 
 std::optional<Length> level_of(const InputPart& part, const InputSlot& slot) {
-  if (!slot.takes_number || part.bytes.size() > 64) return {};
+  if (!slot.takes_number || part.bytes.empty() || part.bytes.size() > 64) return {};
+  char* end = nullptr;
+  const double value = std::strtod(part.bytes.c_str(), &end);
+  if (*end == 0 && !std::isfinite(value))
+    throw Error(ErrorKind::input, "not-finite", "the level '" + part.bytes + "' is no finite number");
   return Length::read(part.bytes);
 }
 

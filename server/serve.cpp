@@ -19,6 +19,7 @@
 #include "server/policy.hpp"
 #include "server/request_log.hpp"
 #include "server/routes.hpp"
+#include "server/sandbox.hpp"
 
 namespace terrane {
 
@@ -145,7 +146,8 @@ int serve(const ServeOptions& options) {
              {"port", port},
              {"process", getpid()},
              {"threads", limits.slots},
-             {"tokens", !options.token_file.empty()}});
+             {"tokens", !options.token_file.empty()},
+             {"workers_confined_to_folders", can_confine_files()}});
 
   std::atomic<bool> finished = false;
   std::thread watcher([&] { watch_signals(server, service, finished); });

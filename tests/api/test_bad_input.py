@@ -77,6 +77,12 @@ class InputData(Problems):
         text = obj(vertices, [[0, 1, 2], [0, 2, 3], [4, 5, 6]])
         self.assert_problem(self.info_of(File("over.obj", text)), 422, "over.obj")
 
+    def test_levels_that_are_no_numbers(self):
+        for text in "nan", "inf", "-Infinity", "1e400":
+            answer = service.post_form("add", [("a", File("a.obj", square_obj(0, 0, 10, 1))), ("b", text)],
+                                       "?crs=local:m&f=json")
+            self.assert_problem(answer, 422, text)
+
     def test_two_heights_at_one_place(self):
         # Two faces that share an edge in plan, and its height at one end only.
         vertices = [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 0, 5], [0, 10, 0]]
