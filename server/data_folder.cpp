@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -130,23 +131,42 @@ void Folder::become(const fs::path& name) {
   stays_ = true;
 }
 
-DataFolder::DataFolder(fs::path root, const std::string& server) : server_(server) {
+DataFolder::DataFolder(fs::path root, const std::string& server, bool alone) : server_(server) {
   try {
     std::error_code error;
     fs::create_directories(root, error);
     root_ = fs::canonical(root);
     if (access(root_.c_str(), R_OK | W_OK | X_OK) != 0) fail(errno, root_);
+    if (alone) lock();
     make_folder(root_ / "jobs");
     make_folder(root_ / "uploads");
     make_folder(root_ / "work");
     fs::remove_all(root_ / "work" / server_, error);
     make_folder(root_ / "work" / server_);
+  } catch (const Error& error) {
+    if (error.kind == ErrorKind::usage) throw;
+    throw Error(ErrorKind::usage, "bad-data-folder",
+                "The folder for jobs and results cannot be used: " + std::string(error.what()) +
+                    "; name another with --data.");
   } catch (const std::exception& exception) {
     throw Error(ErrorKind::usage, "bad-data-folder",
                 "The folder for jobs and results cannot be used: " + std::string(exception.what()) +
                     "; name another with --data.");
   }
   take_reserve();
+}
+
+/// Before anything is removed: it may be in use. The lock goes with the process, however that ends.
+void DataFolder::lock() {
+  lock_ = open((root_ / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock_ < 0) fail(errno, root_ / "lock");
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0)
+    throw Error(ErrorKind::usage, "data-folder-in-use",
+                "Another service works in " + root_.string() + "; stop it, or name another folder with --data.");
+}
+
+DataFolder::~DataFolder() {
+  if (lock_ >= 0) close(lock_);
 }
 
 void DataFolder::remove_older(const fs::path& folder, std::chrono::milliseconds age) const {

@@ -63,8 +63,12 @@ class Folder {
 class DataFolder {
  public:
   /// Makes what is not there yet; takes the reserve. `server`: a name no other server in the same folder has; what a
-  /// server of that name left in work/ is removed. Throws Error{usage} "bad-data-folder".
-  DataFolder(std::filesystem::path root, const std::string& server);
+  /// server of that name left in work/ is removed. `alone`: no other server may have the folder at the same time. Throws
+  /// Error{usage} "bad-data-folder", "data-folder-in-use".
+  DataFolder(std::filesystem::path root, const std::string& server, bool alone);
+  ~DataFolder();
+  DataFolder(const DataFolder&) = delete;
+  DataFolder& operator=(const DataFolder&) = delete;
 
   std::filesystem::path root() const { return root_; }
   std::filesystem::path work() const { return root_ / "work" / server_; }
@@ -82,8 +86,11 @@ class DataFolder {
   void take_reserve() const;
 
  private:
+  void lock();
+
   std::filesystem::path root_;
   std::string server_;
+  int lock_ = -1;
 };
 
 /// The folder of `terrane serve` without --data: the user's state directory.

@@ -150,7 +150,7 @@ Reply Service::run_now(const Order& order, Folder& folder, const std::function<b
                                                 : folder.path() / "out";
   Reply reply = reply_of(outcome, out);
   if (outcome.at("outputs").contains("certificate")) {
-    const std::string report = reports_.put(OpenFile(out / "certificate").text());
+    const std::string report = reports_.put(OpenFile(out / "certificate").text(limits_.max_reports));
     if (!report.empty())
       reply.headers.emplace_back("Link", "</reports/" + report + ">; rel=\"describedby\"; type=\"application/json\"");
   }

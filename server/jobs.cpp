@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <limits>
+#include <memory>
 
 #include "core/error.hpp"
 #include "ops/errors.hpp"
@@ -24,7 +26,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto house_step = 5s;
 constexpr auto idle_step = 1s;  // other servers may have submitted
-constexpr std::int64_t told_every_ms = 500;
+constexpr std::int64_t told_every_ms = 500, asked_every_ms = 700;
 constexpr auto abandoned_after = 48h;  // folders of servers that never came back
 constexpr int callback_attempts = 3;
 constexpr std::uint64_t largest_callback = 64 << 20;
@@ -63,7 +65,7 @@ Jobs::Jobs(JobStore& store, const DataFolder& data, Workers& workers, Admission&
       limits_(limits),
       server_(std::move(server)),
       only_server_(only_server) {
-  if (only_server_) remove_orphans();
+  remove_orphans();
   keep_house();
   for (int i = 0; i < limits_.runners; ++i) threads_.emplace_back([this] { run(); });
   threads_.emplace_back([this] {
@@ -117,8 +119,9 @@ std::optional<Job> Jobs::add(Folder& folder, const Job& job) {
   };
   try {
     before = store_.add(job);
-  } catch (...) {
-    remove();
+  } catch (const Error& error) {
+    // Any other failure may have come after the record was written, which must not be left without its folder.
+    if (error.kind == ErrorKind::storage_full) remove();
     throw;
   }
   if (before) remove();
@@ -157,9 +160,9 @@ void Jobs::run() {
         const auto job = store_.take(server_, now());
         if (!job) break;
         work(*job);
-      } catch (const Error& error) {
-        if (error.kind == ErrorKind::busy) break;  // the service is closing
-        log_event("error", std::string("the line of jobs: ") + error.what());
+      } catch (const std::exception& exception) {
+        if (as_error(exception).kind != ErrorKind::busy)  // else the service is closing
+          log_event("error", std::string("the line of jobs: ") + exception.what());
         break;
       }
       const std::lock_guard lock(mutex_);
@@ -174,6 +177,10 @@ void Jobs::work(const Job& job) {
     const std::lock_guard lock(mutex_);
     running_[job.id] = &dismissed;
   }
+  const std::shared_ptr<void> no_longer(nullptr, [&](void*) {
+    const std::lock_guard lock(mutex_);
+    running_.erase(job.id);
+  });
   try {
     tell(job, "inProgressUri", "application/json", status_info(job, base_of(job)).dump());
     const nlohmann::json outcome = perform(job, dismissed);
@@ -192,8 +199,6 @@ void Jobs::work(const Job& job) {
               {{"failure", failure}}});
     }
   }
-  const std::lock_guard lock(mutex_);
-  running_.erase(job.id);
 }
 
 /// In a folder of this attempt's own: another server may think us lost and work on the same job.
@@ -207,13 +212,26 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
   Instant told = 0;
   Workers::Events events;
   bool lost = false;
+  std::string stage_now;
+  int percent_now = 0;
+  // The store also says when the job is no longer ours. When it does not answer the work goes on.
+  const auto write_progress = [&] {
+    told = now();
+    try {
+      lost = !store_.progress(job.id, server_, percent_now, stage_now, now());
+    } catch (const Error& error) {
+      log_event("warning", "progress of job " + job.id + ": " + error.what());
+    }
+  };
   events.progress = [&](const std::string& stage, double fraction) {
     const int now_percent = percent(stage, fraction);
     if (now() - told < told_every_ms) return;
-    told = now();
-    lost = !store_.progress(job.id, server_, now_percent, stage, now());
+    stage_now = stage;
+    percent_now = now_percent;
+    write_progress();
   };
   events.is_unwanted = [&] {
+    if (now() - told >= asked_every_ms) write_progress();
     const std::lock_guard lock(mutex_);
     return stopping_ || lost || dismissed;
   };
@@ -238,17 +256,22 @@ void Jobs::finish(const Ending& ending) {
   bool ours = false;
   try {
     ours = write_down();
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     try {
       data_.release_reserve();  // for this it was kept
       ours = write_down();
-    } catch (const Error& error) {
-      log_event("error", "the end of job " + ending.job.id + ": " + error.what());
+    } catch (const std::exception& exception) {
+      log_event("error", "the end of job " + ending.job.id + ": " + exception.what());
       const std::lock_guard lock(mutex_);
       unwritten_.push_back(ending);
     }
   }
-  if (ours) tell_end(ending);
+  if (!ours) return;
+  try {
+    tell_end(ending);
+  } catch (const std::exception& exception) {
+    log_event("warning", "telling of the end of job " + ending.job.id + ": " + exception.what());
+  }
 }
 
 void Jobs::tell_end(const Ending& ending) {
@@ -285,14 +308,21 @@ void Jobs::tell(const Job& job, const char* event, const std::string& media_type
 
 void Jobs::keep_house() {
   try {
-    // Before anybody says that this server is alive: whatever runs is left from before.
-    const Instant lost_before = only_server_ && threads_.empty() ? now() + 1 : now() - limits_.lost_after_ms;
+    // Alone, whatever runs at the start is left from before, and later nothing is. Among several, those are lost who have
+    // not been heard of; but a server that was asleep itself hears of nobody, and waits until all had time to speak.
+    const bool first = threads_.empty();
+    const bool awake = now() - heard_ < limits_.lost_after_ms;
+    if (!only_server_) fs::last_write_time(data_.work(), fs::file_time_type::clock::now());
+    store_.heartbeat(server_, now());
+    heard_ = now();
+    const Instant lost_before = only_server_ ? std::numeric_limits<Instant>::max() : now() - limits_.lost_after_ms;
     const Error failure(ErrorKind::limit, "lost-too-often",
                         "The servers that worked on this job were lost " + std::to_string(limits_.max_attempts) +
                             " times; it is not tried again.");
-    const auto back = store_.recover(lost_before, limits_.max_attempts, failure.what(),
-                                     {{"failure", failure_message(failure)}}, now(), now() + limits_.expiry_ms);
-    store_.heartbeat(server_, now());
+    std::vector<Job> back;
+    if (only_server_ ? first : awake)
+      back = store_.recover(lost_before, limits_.max_attempts, failure.what(), {{"failure", failure_message(failure)}},
+                            now(), now() + limits_.expiry_ms);
     if (!back.empty()) {
       const std::lock_guard lock(mutex_);
       news_ = true;
@@ -302,7 +332,7 @@ void Jobs::keep_house() {
       const std::lock_guard lock(mutex_);
       unwritten.swap(unwritten_);
     }
-    for (const Ending& ending : unwritten) finish(ending);
+    for (const Ending& ending : unwritten) finish(ending);  // which throws nothing
     for (const std::string& id : store_.expired(now(), 100)) forget(id);
     data_.remove_older(data_.uploads(), std::chrono::milliseconds(limits_.expiry_ms));
     if (!only_server_) data_.remove_older(data_.root() / "work", abandoned_after);
@@ -323,11 +353,14 @@ void Jobs::forget(const std::string& id) {
 /// What a kill left between a folder's name and its record.
 void Jobs::remove_orphans() {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(data_.root() / "jobs", error))
+  for (const auto& entry : fs::directory_iterator(data_.root() / "jobs", error)) {
+    // Beside other servers a young one may be about to get its record.
+    if (!only_server_ && fs::file_time_type::clock::now() - entry.last_write_time(error) < abandoned_after) continue;
     if (!is_id(entry.path().filename().string()) || !store_.find(entry.path().filename().string())) {
       std::error_code ignored;
       fs::remove_all(entry.path(), ignored);
     }
+  }
 }
 
 std::string timestamp(Instant instant) {

@@ -90,6 +90,7 @@ class Jobs {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false, news_ = false;
+  Instant heard_ = 0;  // when the store last took our sign of life
   std::map<std::string, std::atomic<bool>*> running_;  // here, and whether it was dismissed
   std::vector<Ending> unwritten_;                      // that the store did not take
   std::vector<std::thread> threads_;

@@ -43,7 +43,8 @@ std::size_t OpenFile::read(std::uint64_t offset, char* to, std::size_t count) co
   return done;
 }
 
-std::string OpenFile::text() const {
+std::string OpenFile::text(std::uint64_t most) const {
+  if (size_ > most) throw Error(ErrorKind::internal, "file-too-large", "a file is larger than it can be");
   std::string all(size_, '\0');
   all.resize(read(0, all.data(), all.size()));
   return all;

@@ -19,8 +19,8 @@ class OpenFile {
   std::uint64_t size() const { return size_; }
   /// Bytes read from `offset`, as many as there are up to `count`. Throws Error{internal}.
   std::size_t read(std::uint64_t offset, char* to, std::size_t count) const;
-  /// The whole of it.
-  std::string text() const;
+  /// The whole of it. Throws Error{internal} when it is larger than `most`.
+  std::string text(std::uint64_t most = ~std::uint64_t{0}) const;
 
  private:
   int file_;

@@ -67,6 +67,7 @@ struct Transfer {
   NewFile* file = nullptr;
   std::uint64_t left = 0;
   std::exception_ptr failure;
+  const std::atomic<bool>* stopping = nullptr;
 };
 
 /// Asked with every address before a connection to it is made: a name cannot point one way when it is checked and
@@ -97,6 +98,10 @@ std::size_t take(char* data, std::size_t size, std::size_t count, void* client) 
   }
 }
 
+int is_stopped(void* client, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return *static_cast<Transfer*>(client)->stopping;
+}
+
 using Handle = std::unique_ptr<CURL, decltype(&curl_easy_cleanup)>;
 
 Handle handle_for(const std::string& uri, Transfer& transfer, long seconds) {
@@ -114,6 +119,9 @@ Handle handle_for(const std::string& uri, Transfer& transfer, long seconds) {
   curl_easy_setopt(h, CURLOPT_LOW_SPEED_LIMIT, slowest);
   curl_easy_setopt(h, CURLOPT_LOW_SPEED_TIME, slow_seconds);
   curl_easy_setopt(h, CURLOPT_USERAGENT, "terrane/" TERRANE_VERSION);
+  curl_easy_setopt(h, CURLOPT_NOPROGRESS, 0L);
+  curl_easy_setopt(h, CURLOPT_XFERINFOFUNCTION, is_stopped);
+  curl_easy_setopt(h, CURLOPT_XFERINFODATA, &transfer);
   curl_easy_setopt(h, CURLOPT_OPENSOCKETFUNCTION, open_socket);
   curl_easy_setopt(h, CURLOPT_OPENSOCKETDATA, &transfer);
   curl_easy_setopt(h, CURLOPT_WRITEFUNCTION, take);
@@ -153,7 +161,7 @@ bool Outbound::is_allowed(const std::string& uri) const {
 Outbound::Fetched Outbound::fetch(const std::string& uri, const std::filesystem::path& to, std::uint64_t most) const {
   if (!is_allowed(uri)) refuse();
   NewFile file(to);
-  Transfer transfer{place_of(uri)->host, false, &file, most, nullptr};
+  Transfer transfer{place_of(uri)->host, false, &file, most, nullptr, &stopping_};
   const Handle handle = handle_for(uri, transfer, fetch_seconds);
   curl_easy_setopt(handle.get(), CURLOPT_FAILONERROR, 1L);
   const CURLcode code = curl_easy_perform(handle.get());
@@ -176,7 +184,7 @@ Outbound::Fetched Outbound::fetch(const std::string& uri, const std::filesystem:
 
 bool Outbound::post(const std::string& uri, const std::string& media_type, const std::string& body) const {
   if (!is_allowed(uri)) return false;
-  Transfer transfer{place_of(uri)->host, false, nullptr, 0, nullptr};
+  Transfer transfer{place_of(uri)->host, false, nullptr, 0, nullptr, &stopping_};
   const Handle handle = handle_for(uri, transfer, post_seconds);
   const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> headers(
       curl_slist_append(nullptr, ("Content-Type: " + media_type).c_str()), curl_slist_free_all);

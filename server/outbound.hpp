@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -25,11 +26,15 @@ class Outbound {
   /// POST; false when it is not allowed or nobody took it (no 2xx within 10 s).
   bool post(const std::string& uri, const std::string& media_type, const std::string& body) const;
 
+  /// Whatever goes on ends soon, and nothing is begun any more.
+  void stop() const { stopping_ = true; }
+
   /// Whether the place is on the list, before its name is resolved.
   bool is_allowed(const std::string& uri) const;
 
  private:
   std::vector<std::string> hosts_;
+  mutable std::atomic<bool> stopping_ = false;
 };
 
 /// An address of the machine itself or of a network that is nobody else's business; or no address at all.

@@ -287,7 +287,6 @@ nlohmann::json perform(const fs::path& folder, Context& context, const Resolve& 
   context.threads = what.order.threads;
   const Operation& operation = find_operation(what.order.operation);
   const fs::path out = folder / "out";
-  fs::create_directory(out);
   nlohmann::json outputs = nlohmann::json::object();
 
   Response response;

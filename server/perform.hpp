@@ -34,7 +34,7 @@ using Resolve = std::function<nlohmann::json(const std::string& href)>;
 /// HttpError.
 nlohmann::json check_order(const std::filesystem::path& folder, const Resolve& resolve);
 
-/// Does the work and writes folder/out, which must not exist: one file per output, and the answer put together. Returns
+/// Does the work and writes into folder/out, which is there and empty: one file per output, and the answer put together. Returns
 /// what is also in out/outcome.json:
 ///   "outputs"  {id: {"file", "media_type", "file_name", "size", "sha256"}}, "certificate" among them where there is one
 ///   "reply"    {"status", "media_type", "headers": [[name, value]], "file": "" for none}, of /results and of a client that waits

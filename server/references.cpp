@@ -16,6 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr std::uint64_t largest_list = 16 << 20;
+
 [[noreturn]] void not_there(const std::string& href) {
   throw Error(ErrorKind::input, "no-such-reference",
               "There is nothing at " + href + "; it may have expired. Results and uploads are kept for a while.");
@@ -51,7 +53,7 @@ StoredOutput stored_output(const DataFolder& data, const Job& job, const std::st
 nlohmann::json References::resolve(const fs::path& folder, const std::string& base, const std::string& href) const {
   const fs::path list = folder / "refs.json";
   nlohmann::json known = nlohmann::json::object();
-  if (fs::exists(list)) known = nlohmann::json::parse(OpenFile(list).text());
+  if (fs::exists(list)) known = nlohmann::json::parse(OpenFile(list).text(largest_list));
   if (known.contains(href)) return known[href];
   const nlohmann::json found = bring(folder, "ref-" + std::to_string(known.size()), base, href);
   known[href] = found;

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <grp.h>
 #include <linux/landlock.h>
+#include <sched.h>
 #include <seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -14,7 +15,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <initializer_list>
+#include <vector>
 
 #include "core/error.hpp"
 
@@ -68,7 +69,9 @@ void confine_files(const std::filesystem::path& folder) {
   for (const char* path : {"/dev/null", "/dev/urandom"}) allow(rules, path, LANDLOCK_ACCESS_FS_READ_FILE);
   for (const char* name : {"PROJ_LIB", "PROJ_DATA", "GDAL_DATA"})
     if (const char* path = std::getenv(name)) allow(rules, path, reading);
-  allow(rules, folder.string(), reading | writing);
+  // What lies in the folder may be the very file of another job; only what comes out is ours.
+  allow(rules, folder.string(), reading);
+  allow(rules, (folder / "out").string(), reading | writing);
   const long error = syscall(SYS_landlock_restrict_self, rules, 0);
   close(rules);
   if (error) fail("landlock_restrict_self");
@@ -77,6 +80,12 @@ void confine_files(const std::filesystem::path& folder) {
 void confine_calls() {
   const scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
   if (!filter) fail("seccomp_init");
+  const auto add = [&](std::uint32_t action, int call, std::vector<scmp_arg_cmp> conditions) {
+    if (seccomp_rule_add_array(filter, action, call, static_cast<unsigned>(conditions.size()), conditions.data()) == 0)
+      return;
+    seccomp_release(filter);
+    fail("seccomp_rule_add");
+  };
   for (const int call :
        {SCMP_SYS(socket), SCMP_SYS(socketpair), SCMP_SYS(connect), SCMP_SYS(bind), SCMP_SYS(listen), SCMP_SYS(accept),
         SCMP_SYS(accept4), SCMP_SYS(execve), SCMP_SYS(execveat), SCMP_SYS(fork), SCMP_SYS(vfork), SCMP_SYS(ptrace),
@@ -84,11 +93,18 @@ void confine_calls() {
         SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_getfd), SCMP_SYS(pidfd_send_signal), SCMP_SYS(mount), SCMP_SYS(umount2),
         SCMP_SYS(chroot), SCMP_SYS(pivot_root), SCMP_SYS(unshare), SCMP_SYS(setns), SCMP_SYS(keyctl),
         SCMP_SYS(add_key), SCMP_SYS(request_key), SCMP_SYS(bpf), SCMP_SYS(perf_event_open), SCMP_SYS(userfaultfd),
-        SCMP_SYS(io_uring_setup), SCMP_SYS(open_by_handle_at), SCMP_SYS(memfd_create)})
-    if (seccomp_rule_add(filter, SCMP_ACT_ERRNO(EPERM), call, 0) != 0) {
-      seccomp_release(filter);
-      fail("seccomp_rule_add");
-    }
+        SCMP_SYS(io_uring_setup), SCMP_SYS(open_by_handle_at), SCMP_SYS(memfd_create), SCMP_SYS(truncate),
+        SCMP_SYS(chmod), SCMP_SYS(fchmod), SCMP_SYS(fchmodat), SCMP_SYS(chown), SCMP_SYS(fchown), SCMP_SYS(lchown),
+        SCMP_SYS(fchownat), SCMP_SYS(setxattr), SCMP_SYS(lsetxattr), SCMP_SYS(fsetxattr), SCMP_SYS(rt_sigqueueinfo),
+        SCMP_SYS(rt_tgsigqueueinfo)})
+    add(SCMP_ACT_ERRNO(EPERM), call, {});
+  // Threads, but no processes; signals and limits of our own alone; and the leash stays on.
+  add(SCMP_ACT_ERRNO(EPERM), SCMP_SYS(clone), {SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0)});
+  add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), {});  // its flags cannot be seen; libraries then use clone
+  add(SCMP_ACT_ERRNO(EPERM), SCMP_SYS(tgkill), {SCMP_A0(SCMP_CMP_NE, static_cast<scmp_datum_t>(getpid()))});
+  add(SCMP_ACT_ERRNO(EPERM), SCMP_SYS(prlimit64), {SCMP_A0(SCMP_CMP_NE, 0)});
+  for (const int command : {F_SETFL, F_SETOWN, F_SETSIG, F_SETOWN_EX})
+    add(SCMP_ACT_ERRNO(EPERM), SCMP_SYS(fcntl), {SCMP_A1(SCMP_CMP_EQ, static_cast<scmp_datum_t>(command))});
   const int error = seccomp_load(filter);
   seccomp_release(filter);
   if (error) errno = -error, fail("seccomp_load");

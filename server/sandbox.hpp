@@ -21,7 +21,7 @@ inline constexpr unsigned worker_user = 65534;
 void give_up_root();
 /// True when this kernel can confine a process to folders.
 bool can_confine_files();
-/// From here on this process, for good: only `folder` is written, only system folders and it are read, no socket is made
+/// From here on this process, for good: only `folder`/out is written, only system folders and `folder` are read, no socket is made
 /// and no program started, and the limits hold. Throws Error{internal} when a part of it fails that the kernel has.
 void confine(const std::filesystem::path& folder, const WorkerLimits& limits);
 

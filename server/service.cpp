@@ -41,7 +41,7 @@ bool is_postgresql(const std::string& store) { return store.starts_with("postgre
 
 Service::Service(const ServiceLimits& limits, const ServicePlace& place)
     : limits_(limits),
-      data_(place.data, is_postgresql(place.store) ? random_id() : "server"),
+      data_(place.data, is_postgresql(place.store) ? random_id() : "server", !is_postgresql(place.store)),
       admission_(limits.slots, limits.line),
       checks_(limits.checks, most_checks),
       reports_(limits.max_reports),
@@ -55,6 +55,7 @@ Service::Service(const ServiceLimits& limits, const ServicePlace& place)
 
 void Service::close() {
   closing_ = true;
+  outbound_.stop();
   admission_.close();
   checks_.close();
 }

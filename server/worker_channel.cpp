@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "ops/errors.hpp"
+#include "server/json_slices.hpp"
 #include "server/message.hpp"
 
 namespace terrane {
@@ -33,8 +34,11 @@ std::optional<nlohmann::json> WorkerChannel::receive(int milliseconds) {
     if (const auto end = buffer_.find('\n'); end != std::string::npos) {
       const std::string line = buffer_.substr(0, end);
       buffer_.erase(0, end + 1);
-      auto message = nlohmann::json::parse(line, nullptr, false);
-      if (message.is_object()) return message;
+      try {  // no deeper than anything else that comes from outside
+        auto message = parse_json(line, "a message of a worker");
+        if (message.is_object()) return message;
+      } catch (const std::exception&) {
+      }
       over_ = true;
     }
     if (over_ || buffer_.size() > longest_line) return over_ = true, std::nullopt;

@@ -69,6 +69,7 @@ void put_on_leash(int leash) {
 nlohmann::json work(const nlohmann::json& order, WorkerChannel& channel) {
   std::filesystem::current_path(order.at("folder").get<std::string>());
   const std::filesystem::path folder = ".";
+  if (order.at("what") == "perform") std::filesystem::create_directory(folder / "out");
   confine(folder, {order.at("memory"), order.at("cpu_seconds"), order.at("file_bytes")});
   const Resolve resolve = [&](const std::string& href) -> nlohmann::json {
     channel.send({{"reference", href}});

@@ -7,8 +7,10 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/error.hpp"
@@ -44,6 +46,18 @@ class End {
   int file_;
 };
 
+/// Where libraries find their data, and how they are watched; no setting of the service, which may hold a password.
+std::vector<char*> harmless_environment() {
+  constexpr std::string_view known[] = {"PATH=", "LANG=", "LC_",   "TZ=",    "PROJ_",    "GDAL_",
+                                        "LD_",   "ASAN_", "UBSAN_", "TSAN_", "NO_SPACE_"};
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable; ++variable)
+    if (std::any_of(std::begin(known), std::end(known), [&](auto name) { return std::string_view(*variable).starts_with(name); }))
+      variables.push_back(*variable);
+  variables.push_back(nullptr);
+  return variables;
+}
+
 bool pass(int socket, const std::string& order, int channel, int leash) {
   const int ends[2] = {channel, leash};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof ends)] = {};
@@ -59,6 +73,26 @@ bool pass(int socket, const std::string& order, int channel, int leash) {
   header->cmsg_len = CMSG_LEN(sizeof ends);
   std::memcpy(CMSG_DATA(header), ends, sizeof ends);
   return sendmsg(socket, &message, MSG_NOSIGNAL) == static_cast<ssize_t>(order.size());
+}
+
+/// What a worker says may be what its input made it say: its files are in its own folder, its headers are one line each.
+void require_plain(const nlohmann::json& outcome) {
+  const auto is_name = [](const nlohmann::json& text) {
+    const auto& name = text.get_ref<const std::string&>();
+    return name.find('/') == std::string::npos && !name.starts_with('.');
+  };
+  const auto is_line = [](const nlohmann::json& text) {
+    const auto& line = text.get_ref<const std::string&>();
+    return std::none_of(line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; });
+  };
+  const nlohmann::json& reply = outcome.at("reply");
+  bool plain = is_name(reply.at("file")) && is_line(reply.at("media_type"));
+  for (const auto& header : reply.at("headers")) plain = plain && is_line(header.at(0)) && is_line(header.at(1));
+  for (const auto& output : outcome.at("outputs"))
+    plain = plain && is_name(output.at("file")) && is_line(output.at("media_type")) && is_line(output.at("file_name"));
+  const int status = reply.at("status");
+  if (!plain || (status != 200 && status != 204))
+    throw Error(ErrorKind::internal, "worker-lied", "a worker described a result that cannot be");
 }
 
 [[noreturn]] void throw_death(int signal, const WorkerLimits& limits) {
@@ -110,7 +144,8 @@ void Workers::start() {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child;
-  const int error = posix_spawn(&child, arguments[0], &actions, &attributes, arguments.data(), environ);
+  std::vector<char*> variables = harmless_environment();
+  const int error = posix_spawn(&child, arguments[0], &actions, &attributes, arguments.data(), variables.data());
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (error) errno = error, fail("starting the maker of workers");
@@ -122,6 +157,9 @@ nlohmann::json Workers::run(What what, const std::filesystem::path& folder, cons
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel_ends) != 0) fail("socketpair");
   const End near(channel_ends[0]);
   End far(channel_ends[1]);
+  // A worker that does not listen must not hold us, nor its maker.
+  const timeval patience{5, 0};
+  for (const int end : channel_ends) setsockopt(end, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
   if (pipe2(leash_ends, O_CLOEXEC) != 0) fail("pipe");
   End worker_leash(leash_ends[0]);
   const End leash(leash_ends[1]);  // let go when we leave
@@ -146,15 +184,18 @@ nlohmann::json Workers::run(What what, const std::filesystem::path& folder, cons
     const auto message = channel.receive(step_ms);
     if (!message) {
       if (channel.is_over()) throw Error(ErrorKind::internal, "worker-died", "a worker left without a word");
-      if (events.is_unwanted && events.is_unwanted())
-        throw Error(ErrorKind::cancelled, "cancelled", "The work was given up.");
-      if (Clock::now() > until)
-        throw Error(ErrorKind::limit, "too-slow",
-                    "The work took more than " + std::to_string(static_cast<long>(seconds)) +
-                        " s and was stopped; use fewer or smaller inputs, or a job (Prefer: respond-async).");
-      continue;
     }
-    if (message->contains("done")) return message->at("done");
+    if (events.is_unwanted && events.is_unwanted())
+      throw Error(ErrorKind::cancelled, "cancelled", "The work was given up.");
+    if (Clock::now() > until)
+      throw Error(ErrorKind::limit, "too-slow",
+                  "The work took more than " + std::to_string(static_cast<long>(seconds)) +
+                      " s and was stopped; use fewer or smaller inputs, or a job (Prefer: respond-async).");
+    if (!message) continue;
+    if (message->contains("done")) {
+      if (what == What::perform) require_plain(message->at("done"));
+      return message->at("done");
+    }
     if (message->contains("failure")) throw_failure(message->at("failure"));
     if (message->contains("signal")) throw_death(message->value("signal", 0), limits);
     if (message->contains("stage") && events.progress)
@@ -169,8 +210,6 @@ nlohmann::json Workers::run(What what, const std::filesystem::path& folder, cons
       }
       channel.send(answer);
     }
-    if (events.is_unwanted && events.is_unwanted())
-      throw Error(ErrorKind::cancelled, "cancelled", "The work was given up.");
   }
 }
 

@@ -275,6 +275,15 @@ class Kills(unittest.TestCase):
         self.assertEqual(len(bodies), 1)
         self.assertEqual(service.close(), 0)
 
+    def test_a_folder_has_one_service(self):
+        service = Service()
+        second = subprocess.run([*service.command[:2], "--port", "0", "--data", service.data.name],
+                                capture_output=True, timeout=20, check=False)
+        self.assertEqual(second.returncode, 2)
+        self.assertIn(b"Another service works in", second.stderr)
+        self.assertEqual(service.post_form("subtract", PAIR, SUBTRACT).status, 200, "it was left alone")
+        self.assertEqual(service.close(), 0)
+
     def test_a_stop_hands_running_jobs_back(self):
         service = Service()
         job = submit(service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]

@@ -84,7 +84,7 @@ class Codings(unittest.TestCase):
     def test_resources(self):
         plain = service.get(ALL)
         self.assertIsNone(plain.headers["Content-Encoding"])
-        self.assertEqual(plain.headers["Vary"], "Accept-Encoding")
+        self.assertIn("Accept-Encoding", plain.headers["Vary"])
         tags = {plain.headers["ETag"]}
         for accept, coding, unpack in (("gzip", "gzip", gzip.decompress), ("zstd;q=0.5, gzip", "gzip", gzip.decompress),
                                        ("gzip, deflate, br, zstd", "zstd", unzstd)):
