@@ -174,7 +174,9 @@ class Round {
     Index place;
     int tile;
     double z;
-    bool operator<(const Known& other) const { return std::tie(place, tile, z) < std::tie(other.place, other.tile, other.z); }
+    bool operator<(const Known& other) const {
+      return std::tie(place, tile, z) < std::tie(other.place, other.tile, other.z);
+    }
   };
 
   /// Faces that rounding brought to a vertex take the heights there of those that had it: theirs are read off planes past

@@ -3,7 +3,7 @@
 """The disk is full, at every point: the N-th write of the service (or of a worker) and some after it fail with ENOSPC, for
 N from 1 on. Afterwards, with room again: the service answers, what was acknowledged is whole, nothing is stuck.
 
-  full_disk.py POINTS LIBRARY [--where serve|workers] [--calls K]
+  full_disk.py POINTS PRELOADED [--where serve|workers] [--calls K]
 """
 import argparse
 import os
@@ -20,7 +20,7 @@ from service import Service, form  # noqa: E402
 def one(point, options, expected):
     """What went wrong with the fault at one point, as lines; and whether it was reached."""
     wrong, statuses = [], set()
-    os.environ.update({"LD_PRELOAD": options.library, "NO_SPACE_IN": options.where, "NO_SPACE_FROM": str(point),
+    os.environ.update({"LD_PRELOAD": options.preloaded, "NO_SPACE_IN": options.where, "NO_SPACE_FROM": str(point),
                        "NO_SPACE_CALLS": str(options.calls)})
     try:
         service = Service("--threads", "1")
@@ -75,12 +75,12 @@ def one(point, options, expected):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("points", type=int)
-    parser.add_argument("library")
+    parser.add_argument("preloaded")
     parser.add_argument("--where", default="serve")
     parser.add_argument("--calls", type=int, default=3)
     parser.add_argument("--first", type=int, default=1)
     options = parser.parse_args()
-    options.library = os.path.abspath(options.library)
+    options.preloaded = os.path.abspath(options.preloaded)
     begun = time.monotonic()
     calm = Service("--threads", "1")
     expected = [calm.post_form(operation, parts, query).body for operation, query, parts in orders()]
