@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/mended_heights.hpp"
+#include "core/needless.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
@@ -14,7 +15,7 @@ namespace {
 struct Ancestor {
   int tile;
   Index face;    // of the tile's piece
-  Index before;  // none: no more
+  Index before;  // a cell; none: no more
 };
 
 Piece flat(const Piece& piece) {
@@ -55,15 +56,17 @@ class Refiner {
       context_.progress("merge", static_cast<double>(rank) / static_cast<double>(order.size()));
       Piece tile = flat(pieces_[rank]);
       for (std::size_t f = 0; f < tile.contributors.size(); ++f)
-        tile.contributors[f] = ancestor(static_cast<int>(rank), static_cast<Index>(f), none);
+        tile.contributors[f] = ancestor(cells_.fresh(), {static_cast<int>(rank), static_cast<Index>(f), none});
+      tile.cells = tile.contributors;
       const Piece near = mosaic_.take_near(widened(bounds(tiles[order[rank]])));
       mosaic_.add(near.contributors.empty() ? tile : overlaid(near, tile));
     }
   }
 
-  Index ancestor(int tile, Index face, Index before) {
-    ancestors_.push_back({tile, face, before});
-    return static_cast<Index>(ancestors_.size()) - 1;
+  /// Stored once for each cell.
+  Index ancestor(Index cell, const Ancestor& own) {
+    if (cell == static_cast<Index>(ancestors_.size())) ancestors_.push_back(own);
+    return cell;
   }
 
   Piece overlaid(const Piece& near, const Piece& tile) {
@@ -75,14 +78,16 @@ class Refiner {
         result.contributors.push_back(a == none ? tile.contributors[b] : near.contributors[a]);
         continue;
       }
-      const Ancestor own = ancestors_[tile.contributors[b]];
-      result.contributors.push_back(ancestor(own.tile, own.face, near.contributors[a]));
+      const Ancestor& own = ancestors_[tile.contributors[b]];
+      const Ancestor last{own.tile, own.face, near.contributors[a]};
+      result.contributors.push_back(ancestor(cells_.both(near.contributors[a], tile.contributors[b]), last));
     }
     result.surface.points = std::move(overlay.points);
     result.surface.faces = std::move(overlay.faces);
     result.surface.z.assign(3 * result.surface.faces.size(), 0);
     result.surface.firm.assign(result.surface.z.size(), 1);
-    return result;
+    result.cells = result.contributors;
+    return without_needless(std::move(result), near, tile, 2 * overlay.rounding.max_move);
   }
 
   /// A layer of a face, and how steep the tile is there.
@@ -169,7 +174,8 @@ class Refiner {
   RoundingReport& report_;
   Context& context_;
   std::vector<Piece> pieces_;
-  std::vector<Ancestor> ancestors_;
+  Cells cells_;
+  std::vector<Ancestor> ancestors_;  // by cell
   Mosaic mosaic_;
   Layered result_;
   std::vector<Index> ancestor_face_;  // per layer

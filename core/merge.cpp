@@ -8,6 +8,7 @@
 #include "core/corner_heights.hpp"
 #include "core/median.hpp"
 #include "core/mosaic.hpp"
+#include "core/needless.hpp"
 #include "core/predicates.hpp"
 #include "core/ramp.hpp"
 #include "core/seams.hpp"
@@ -69,21 +70,29 @@ double area_in_plan(const Tin& tin, const Face& f) {
 }
 
 /// With its jumps sloped; the sets of faces say which slope.
-Piece sloped(Piece piece, const RampGround& ground, Meeting meeting, ContributorSets& sets, Context& context) {
+Piece sloped(Piece piece, const RampGround& ground, Meeting meeting, ContributorSets& sets, Cells& cells,
+             Context& context) {
   Ramped ramped = ramp(std::move(piece.surface), ground, meeting, context);
-  std::vector<Index> contributors;
+  Piece result{std::move(ramped.surface), {}};
   for (std::size_t f = 0; f < ramped.from.size(); ++f) {
     const Index set = piece.contributors[ramped.from[f]];
-    contributors.push_back(ramped.sloped[f] ? sets.sloped(set) : set);
+    result.contributors.push_back(ramped.sloped[f] ? sets.sloped(set) : set);
+    if (!piece.cells.empty()) result.cells.push_back(ramped.sloped[f] ? cells.fresh() : piece.cells[ramped.from[f]]);
   }
-  return {std::move(ramped.surface), std::move(contributors)};
+  return result;
 }
 
 /// One tile on top of, under, or mixed with what has accumulated near it.
 class Step {
  public:
-  Step(const Piece& near, const Piece& tile, int rank, const MergeOptions& options, ContributorSets& sets)
-      : near_(near), tile_(tile), rank_(rank), policy_(options.overlap), options_(options), sets_(sets) {}
+  Step(const Piece& near, const Piece& tile, int rank, const MergeOptions& options, ContributorSets& sets, Cells& cells)
+      : near_(near),
+        tile_(tile),
+        rank_(rank),
+        policy_(options.overlap),
+        options_(options),
+        sets_(sets),
+        cells_(cells) {}
 
   Piece run(RoundingReport& report, BlendReport& blended, Context& context) {
     OverlayOptions options;
@@ -105,8 +114,9 @@ class Step {
     points_ = &result.surface.points;
     result.surface.faces = overlay_.faces;
     for (Index f = 0; f < static_cast<Index>(overlay_.faces.size()); ++f) fold(f, result);
-    if (options_.assembly.seam == Seam::ramp) return slope(near, tile, std::move(result), context);
-    return result;
+    if (options_.assembly.seam == Seam::ramp) result = slope(near, tile, std::move(result), context);
+    if (!any_order(policy_)) return result;
+    return without_needless(std::move(result), near_, tile_, 2 * overlay_.rounding.max_move);
   }
 
  private:
@@ -123,6 +133,7 @@ class Step {
         result.surface.firm.push_back(0);
       }
       result.contributors.push_back(sets_.with(set, rank_));
+      result.cells.push_back(cells_.both(near_.cells[a], tile_.cells[b]));
       return;
     }
     if (a != none && b != none && policy_ == Overlap::blend && fades(f)) return fade(f, result);
@@ -133,6 +144,7 @@ class Step {
       result.surface.z.push_back(overlay_.height(winner, f, k));
       result.surface.firm.push_back(is_firm(from, parent, (*points_)[overlay_.faces[f][k]]));
     }
+    result.cells.push_back(from.cells[parent]);
     // What wins over a ramp need not win over what the ramp replaced.
     const bool over_ramp = winner == 1 && a != none && sets_.is_sloped(near_.contributors[a]);
     result.contributors.push_back(over_ramp ? sets_.sloped(from.contributors[parent]) : from.contributors[parent]);
@@ -158,7 +170,7 @@ class Step {
                                                       : Meeting::mean;
     const std::vector<Index> classes = result.contributors;
     ground.classes = &classes;
-    return sloped(std::move(result), ground, meeting, sets_, context);
+    return sloped(std::move(result), ground, meeting, sets_, cells_, context);
   }
 
   double weight(Index f, int k) const { return weight_[3 * static_cast<std::size_t>(f) + k]; }
@@ -175,6 +187,7 @@ class Step {
       result.surface.firm.push_back(0);
     }
     result.contributors.push_back(sets_.with(near_.contributors[overlay_.parents[f][0]], rank_));
+    result.cells.push_back(cells_.fresh());
   }
 
   /// Pasted, with the one bent to the other beside the seam.
@@ -190,6 +203,7 @@ class Step {
       for (const Index v : result.surface.faces[f])
         result.surface.firm.push_back(!made.sloped[f] && is_firm(from, parent, result.surface.points[v]));
       result.contributors.push_back(made.sloped[f] ? sets_.sloped(set) : set);
+      result.cells.push_back(made.sloped[f] ? cells_.fresh() : from.cells[parent]);
     }
     return result;
   }
@@ -208,6 +222,7 @@ class Step {
   Overlap policy_;
   const MergeOptions& options_;
   ContributorSets& sets_;
+  Cells& cells_;
   Overlay overlay_;
   std::vector<double> weight_;  // of near, where the two are blended
   const Array<Point2>* points_ = nullptr;
@@ -225,16 +240,18 @@ Box reach_of(const Box& tile, const MergeOptions& options) {
 Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order, const MergeOptions& options,
                        ContributorSets& sets, RoundingReport& report, BlendReport& blended, Context& context) {
   Mosaic mosaic;
+  Cells cells;
   for (std::size_t rank = 0; rank < order.size(); ++rank) {
     context.progress("merge", static_cast<double>(rank) / static_cast<double>(order.size()));
-    const Piece tile = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
+    Piece tile = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
+    for (std::size_t f = 0; f < tile.contributors.size(); ++f) tile.cells.push_back(cells.fresh());
     const Box box = reach_of(bounds(tiles[order[rank]]), options);
     const Piece near = mosaic.take_near(box);
     if (near.contributors.empty()) {
       mosaic.add(tile);
       continue;
     }
-    Piece merged = Step(near, tile, static_cast<int>(rank), options, sets).run(report, blended, context);
+    Piece merged = Step(near, tile, static_cast<int>(rank), options, sets, cells).run(report, blended, context);
     // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face
     // at a place inside the box is at hand; elsewhere nothing has changed.
     const CornersByPlace places = corners_by_place(merged.surface.faces, merged.surface.points.size());
@@ -263,7 +280,8 @@ Piece median_tiles(const std::vector<Tin>& tiles, const std::vector<int>& order,
   };
   const std::vector<Index> classes = piece.contributors;
   ground.classes = &classes;
-  return sloped(std::move(piece), ground, Meeting::mean, sets, context);
+  Cells cells;
+  return sloped(std::move(piece), ground, Meeting::mean, sets, cells, context);
 }
 
 /// The surface cut off at a level: what lies beyond it becomes level. The level is one more surface wherever there is

@@ -55,6 +55,7 @@ void copy_face(const Piece& from, std::size_t f, const Face& corners, Piece& to)
     to.surface.firm.push_back(from.surface.firm[c]);
   }
   to.contributors.push_back(from.contributors[f]);
+  if (!from.cells.empty()) to.cells.push_back(from.cells[f]);
 }
 
 /// Moves the faces of `from` to the end of `to`, by place.

@@ -34,6 +34,8 @@ class ContributorSets {
 struct Piece {
   CornerSurface surface;
   std::vector<Index> contributors;  // a set per face
+  /// Per face: faces that lie on the same faces of the same tiles have the same number. Empty: not told apart.
+  std::vector<Index> cells = {};
 };
 
 /// The faces of a piece as the input of an overlay: vertex per place and height; face i is face i of the piece.
