@@ -12,6 +12,7 @@
 #include "core/predicates.hpp"
 #include "core/ramp.hpp"
 #include "core/seams.hpp"
+#include "core/side_by_side.hpp"
 
 namespace terrane {
 namespace {
@@ -241,22 +242,32 @@ Piece accumulate_tiles(const std::vector<Tin>& tiles, const std::vector<int>& or
                        ContributorSets& sets, RoundingReport& report, BlendReport& blended, Context& context) {
   Mosaic mosaic;
   Cells cells;
+  std::vector<Box> earlier;
   for (std::size_t rank = 0; rank < order.size(); ++rank) {
     context.progress("merge", static_cast<double>(rank) / static_cast<double>(order.size()));
-    Piece tile = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
-    for (std::size_t f = 0; f < tile.contributors.size(); ++f) tile.cells.push_back(cells.fresh());
+    Piece whole = piece_of(tiles[order[rank]], sets.single(static_cast<int>(rank)));
+    for (std::size_t f = 0; f < whole.contributors.size(); ++f) whole.cells.push_back(cells.fresh());
     const Box box = reach_of(bounds(tiles[order[rank]]), options);
-    const Piece near = mosaic.take_near(box);
-    if (near.contributors.empty()) {
-      mosaic.add(tile);
-      continue;
+    std::vector<Box> met;
+    std::copy_if(earlier.begin(), earlier.end(), std::back_inserter(met),
+                 [&](const Box& b) { return touches(b, box); });
+    if (options.overlap == Overlap::blend) met = {box};  // borders far from where tiles meet have a say
+    const Parted tile = parted(whole, met);
+    earlier.push_back(box);
+    Piece near = mosaic.take_near(box);
+    if (!near.contributors.empty() && !tile.near.contributors.empty()) {
+      near = Step(near, tile.near, static_cast<int>(rank), options, sets, cells).run(report, blended, context);
+      // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every
+      // other face at a place inside the box is at hand; elsewhere nothing has changed.
+      const CornersByPlace places = corners_by_place(near.surface.faces, near.surface.points.size());
+      close_jumps(near.surface, places, 0, [&](Point2 p) {
+        return touches({p.x, p.y, p.x, p.y}, box) && !tile.is_shared(p);
+      });
+    } else {
+      mosaic.add(tile.near);
     }
-    Piece merged = Step(near, tile, static_cast<int>(rank), options, sets, cells).run(report, blended, context);
-    // Heights that two routes computed are made equal at once, or the next tile would meet jumps of an ulp. Every face
-    // at a place inside the box is at hand; elsewhere nothing has changed.
-    const CornersByPlace places = corners_by_place(merged.surface.faces, merged.surface.points.size());
-    close_jumps(merged.surface, places, 0, [&](Point2 p) { return touches({p.x, p.y, p.x, p.y}, box); });
-    mosaic.add(merged);
+    mosaic.add(near);
+    mosaic.add(tile.far);
   }
   return mosaic.take_all();
 }
@@ -339,19 +350,25 @@ std::vector<SeamPair> compare_all(const std::vector<Tin>& tiles, const std::vect
   for (const Tin& tile : tiles) boxes.push_back(bounds(tile));
   std::vector<int> by_index = order;
   std::sort(by_index.begin(), by_index.end());
+  std::vector<std::pair<int, int>> neighbours;
+  for (std::size_t i = 0; i < by_index.size(); ++i)
+    for (std::size_t j = i + 1; j < by_index.size(); ++j)
+      if (touches(widened(boxes[by_index[i]]), boxes[by_index[j]])) neighbours.push_back({by_index[i], by_index[j]});
+  std::vector<double> sizes;
+  for (const auto& [a, b] : neighbours)
+    sizes.push_back(static_cast<double>(tiles[a].faces.size() + tiles[b].faces.size()));
+  std::vector<std::optional<SeamPair>> compared(neighbours.size());
+  side_by_side(sizes, context, [&](std::size_t i, Context& own) {
+    own.progress("seams", static_cast<double>(i) / static_cast<double>(neighbours.size()));
+    const auto [a, b] = neighbours[i];
+    compared[i] = compare_tiles(tiles[a], tiles[b], metric, own);
+  });
   std::vector<SeamPair> pairs;
-  for (std::size_t i = 0; i < by_index.size(); ++i) {
-    context.progress("seams", static_cast<double>(i) / static_cast<double>(by_index.size()));
-    for (std::size_t j = i + 1; j < by_index.size(); ++j) {
-      const int a = by_index[i], b = by_index[j];
-      if (!touches(widened(boxes[a]), boxes[b])) continue;
-      std::optional<SeamPair> pair = compare_tiles(tiles[a], tiles[b], metric, context);
-      if (!pair) continue;
-      pair->a = a;
-      pair->b = b;
-      pairs.push_back(*pair);
+  for (std::size_t i = 0; i < neighbours.size(); ++i)
+    if (compared[i]) {
+      pairs.push_back(*compared[i]);
+      std::tie(pairs.back().a, pairs.back().b) = neighbours[i];
     }
-  }
   return pairs;
 }
 

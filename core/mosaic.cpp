@@ -58,6 +58,17 @@ void copy_face(const Piece& from, std::size_t f, const Face& corners, Piece& to)
   if (!from.cells.empty()) to.cells.push_back(from.cells[f]);
 }
 
+/// A box with all faces around it whose boxes touch it: an edge that is crossed in the box is rounded there and so
+/// moves all along, past what lies beside it.
+Box with_faces(const Box& box, const Piece& piece) {
+  Box all = box;
+  for (const Face& corners : piece.surface.faces)
+    if (const Box face = box_of(piece.surface, corners); touches(face, box)) all = joined(all, face);
+  return all;
+}
+
+bool before(Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); }
+
 /// Moves the faces of `from` to the end of `to`, by place.
 void append(const Piece& from, Places& places, Piece& to) {
   std::vector<Index> index(from.surface.points.size(), none);
@@ -190,18 +201,32 @@ void Mosaic::add_part(const Piece& piece, std::size_t first, std::size_t last, s
   parts_.push_back(std::move(part));
 }
 
-Box Mosaic::reach(const Box& box) const {
-  Box all = box;
-  for (const Part& part : parts_)
-    if (touches(part.box, box))
-      for (const Face& corners : part.piece.surface.faces)
-        if (const Box face = box_of(part.piece.surface, corners); touches(face, box)) all = joined(all, face);
-  return widened(all);
+bool Parted::is_shared(Point2 p) const { return std::binary_search(shared.begin(), shared.end(), p, before); }
+
+Parted parted(const Piece& piece, const std::vector<Box>& boxes) {
+  std::vector<Box> reach;
+  for (const Box& box : boxes) reach.push_back(widened(with_faces(box, piece)));
+  Parted parts;
+  std::vector<std::uint8_t> sides(piece.surface.points.size(), 0);
+  for (std::size_t f = 0; f < piece.surface.faces.size(); ++f) {
+    const Face& corners = piece.surface.faces[f];
+    const Box face = box_of(piece.surface, corners);
+    const bool is_near = std::any_of(reach.begin(), reach.end(), [&](const Box& box) { return touches(face, box); });
+    copy_face(piece, f, corners, is_near ? parts.near : parts.far);
+    for (const Index v : corners) sides[v] |= is_near ? 1 : 2;
+  }
+  parts.near.surface.points = parts.far.surface.points = piece.surface.points;
+  for (std::size_t v = 0; v < sides.size(); ++v)
+    if (sides[v] == 3) parts.shared.push_back(piece.surface.points[v]);
+  std::sort(parts.shared.begin(), parts.shared.end(), before);
+  return parts;
 }
 
 Piece Mosaic::take_near(const Box& tile) {
-  // An edge that the tile crosses is rounded there and so moves all along, past what lies beside it.
-  const Box box = reach(tile);
+  Box box = tile;
+  for (const Part& part : parts_)
+    if (touches(part.box, tile)) box = joined(box, with_faces(tile, part.piece));
+  box = widened(box);
   Piece near;
   Places places(near.surface.points, 0);
   std::vector<Part> parts;

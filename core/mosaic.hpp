@@ -53,6 +53,15 @@ inline bool touches(const Box& a, const Box& b) {
   return a.xmin <= b.xmax && b.xmin <= a.xmax && a.ymin <= b.ymax && b.ymin <= a.ymax;
 }
 
+/// A piece in two.
+struct Parted {
+  Piece near, far;
+  std::vector<Point2> shared;  // the places that both have, sorted
+  bool is_shared(Point2 p) const;
+};
+/// The faces that something within the boxes may change, with those beside them, and the others. O(faces * boxes).
+Parted parted(const Piece& piece, const std::vector<Box>& boxes);
+
 class Mosaic {
  public:
   void add(const Piece& piece);
@@ -67,8 +76,6 @@ class Mosaic {
     Box box;
     Piece piece;
   };
-  /// The box around `box` and all faces whose box touches it.
-  Box reach(const Box& box) const;
   void add_part(const Piece& piece, std::size_t first, std::size_t last, std::vector<Index>& local);
   std::vector<Part> parts_;
 };

@@ -16,7 +16,7 @@
 #include "ops/outcome.hpp"
 #include "ops/provenance.hpp"
 #include "ops/sha256.hpp"
-#include "ops/side_by_side.hpp"
+#include "core/side_by_side.hpp"
 
 // decode -> common frame -> run -> verify -> encode: the same for every door.
 namespace terrane {

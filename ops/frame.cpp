@@ -11,7 +11,7 @@
 #include "ops/heights.hpp"
 #include "ops/measure.hpp"
 #include "ops/parameters.hpp"
-#include "ops/side_by_side.hpp"
+#include "core/side_by_side.hpp"
 
 namespace terrane {
 namespace {

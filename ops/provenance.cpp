@@ -8,7 +8,7 @@
 #include "core/face_grid.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
-#include "ops/side_by_side.hpp"
+#include "core/side_by_side.hpp"
 
 namespace terrane {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/error.hpp"
 #include "core/face_runs.hpp"
 #include "core/mosaic.hpp"
-#include "ops/side_by_side.hpp"
+#include "core/side_by_side.hpp"
 
 namespace terrane {
 namespace {

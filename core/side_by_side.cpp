@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ops/side_by_side.hpp"
+#include "core/side_by_side.hpp"
 
 #include <algorithm>
 #include <cmath>
