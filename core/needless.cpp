@@ -101,9 +101,7 @@ class Thinning {
     Index face, from, to;
     Corner at_from, at_to;
   };
-  struct Triangle {
-    std::array<Corner, 3> corners;  // of the faces before: places, heights and all
-  };
+  using Triangle = std::array<Corner, 3>;  // corners of the faces before: places, heights and all
   struct Side {
     std::size_t first, last;            // of the star
     std::size_t first_made, last_made;  // of the triangles
@@ -187,7 +185,7 @@ class Thinning {
           best = i, least = cut;
       }
       if (best == n) return false;
-      triangles_.push_back({{ring[(best + n - 1) % n], ring[best], ring[(best + 1) % n]}});
+      triangles_.push_back({ring[(best + n - 1) % n], ring[best], ring[(best + 1) % n]});
       ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(best));
     }
     sides_.push_back({first, last, begin, triangles_.size()});
@@ -214,7 +212,7 @@ class Thinning {
     for (const Triangle& t : triangles_) {
       made.emplace_back();
       for (int k = 0; k < 3; ++k) {
-        const Corner c = t.corners[k];
+        const Corner c = t[k];
         made.back()[k] = {vertex(c), surface.z[c], surface.firm[c]};
       }
     }
