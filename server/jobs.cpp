@@ -162,7 +162,7 @@ void Jobs::run() {
         work(*job);
       } catch (const std::exception& exception) {
         if (as_error(exception).kind != ErrorKind::busy)  // else the service is closing
-          log_event("error", std::string("the line of jobs: ") + exception.what());
+          log_event(LogLevel::error, std::string("the line of jobs: ") + exception.what());
         break;
       }
       const std::lock_guard lock(mutex_);
@@ -193,7 +193,7 @@ void Jobs::work(const Job& job) {
       store_.hand_back(job.id, server_, now());
     } else {
       const bool ours = failure.value("kind", -1) == static_cast<int>(ErrorKind::internal);
-      if (ours) log_event("error", "job " + job.id + ": " + exception.what());
+      if (ours) log_event(LogLevel::error, "job " + job.id + ": " + exception.what());
       finish({job, JobStatus::failed,
               ours ? "Terrane failed on this job; that is a mistake of ours." : failure.at("message"),
               {{"failure", failure}}});
@@ -220,7 +220,7 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
     try {
       lost = !store_.progress(job.id, server_, percent_now, stage_now, now());
     } catch (const Error& error) {
-      log_event("warning", "progress of job " + job.id + ": " + error.what());
+      log_event(LogLevel::warning, "progress of job " + job.id + ": " + error.what());
     }
   };
   events.progress = [&](const std::string& stage, double fraction) {
@@ -261,7 +261,7 @@ void Jobs::finish(const Ending& ending) {
       data_.release_reserve();  // for this it was kept
       ours = write_down();
     } catch (const std::exception& exception) {
-      log_event("error", "the end of job " + ending.job.id + ": " + exception.what());
+      log_event(LogLevel::error, "the end of job " + ending.job.id + ": " + exception.what());
       const std::lock_guard lock(mutex_);
       unwritten_.push_back(ending);
     }
@@ -270,7 +270,7 @@ void Jobs::finish(const Ending& ending) {
   try {
     tell_end(ending);
   } catch (const std::exception& exception) {
-    log_event("warning", "telling of the end of job " + ending.job.id + ": " + exception.what());
+    log_event(LogLevel::warning, "telling of the end of job " + ending.job.id + ": " + exception.what());
   }
 }
 
@@ -303,7 +303,7 @@ void Jobs::tell(const Job& job, const char* event, const std::string& media_type
     if (outbound_.post(uri, media_type, body)) return;
     if (!outbound_.is_allowed(uri)) break;
   }
-  log_event("warning", "job " + job.id + ": its subscriber did not take " + event);
+  log_event(LogLevel::warning, "job " + job.id + ": its subscriber did not take " + event);
 }
 
 void Jobs::keep_house() {
@@ -338,7 +338,7 @@ void Jobs::keep_house() {
     if (!only_server_) data_.remove_older(data_.root() / "work", abandoned_after);
     data_.take_reserve();
   } catch (const std::exception& exception) {
-    log_event("error", std::string("keeping house: ") + exception.what());
+    log_event(LogLevel::error, std::string("keeping house: ") + exception.what());
   }
   wake_.notify_all();
 }
