@@ -110,6 +110,7 @@ Service::Spooled Service::spool(const BodySource& body, const fs::path& path) {
 }
 
 Reply Service::execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone) {
+  data_.require_reserve();
   if (call.path == "/uploads") return upload(call, body);
   if (call.method == "GET") return converted_output(call, client_is_gone);
   const Operation& operation = find_operation(execution_path(call.path).value());
