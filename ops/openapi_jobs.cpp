@@ -25,14 +25,19 @@ Json f_parameter() {
 Json list_parameters() {
   Json limit = query_parameter("limit", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}, {"default", 10}},
                                "How many jobs at most.");
+  Json longest = query_parameter("maxDuration", array_of({{"type", "integer"}}),
+                                 "Jobs that took at most so many seconds; of several the least counts.");
+  longest["style"] = "form";
+  longest["explode"] = false;
   return {query_parameter("type", array_of({{"type", "string"}, {"enum", {"process"}}}), "What kind of jobs."),
           query_parameter("processID", array_of(text), "Jobs of these operations."),
           query_parameter("status", array_of(schema("statusCode")), "Jobs with one of these statuses."),
           query_parameter("datetime", text,
                           "Jobs created then: a date-time (RFC 3339), or an interval of two with / between; .. or "
                           "nothing leaves one end open."),
-          query_parameter("minDuration", array_of({{"type", "integer"}}), "Jobs that took at least so many seconds."),
-          query_parameter("maxDuration", array_of({{"type", "integer"}}), "Jobs that took at most so many seconds."),
+          query_parameter("minDuration", array_of({{"type", "integer"}}),
+                          "Jobs that took at least so many seconds; of several the most counts."),
+          longest,
           limit,
           query_parameter("offset", {{"type", "integer"}, {"minimum", 0}, {"default", 0}}, "How many jobs to skip."),
           f_parameter()};
@@ -119,7 +124,8 @@ Json callbacks() {
                  {{"post",
                    {{"operationId", std::string("tell-") + uri},
                     {"summary", summary},
-                    {"description", "Sent to hosts that the server allows (--allow-hosts)."},
+                    {"description", "Sent to hosts that the server allows (--allow-hosts). The end of a job is sent up to six "
+                                   "times within a quarter of an hour, and may arrive twice."},
                     {"requestBody", body},
                     {"responses",
                      {{"2XX", {{"description", "It has arrived."}}},

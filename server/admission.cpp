@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/admission.hpp"
 
+#include <chrono>
+
 #include "core/error.hpp"
 
 namespace terrane {
 
 namespace {
+
+constexpr auto step = std::chrono::milliseconds(250);
 
 [[noreturn]] void refuse_busy() {
   throw Error(ErrorKind::busy, "busy", "All places are taken at the moment; send the request again in a few seconds.");
@@ -13,7 +17,8 @@ namespace {
 
 }  // namespace
 
-Admission::Place::Place(Admission& admission, Context& context, Manner manner)
+Admission::Place::Place(Admission& admission, Context& context, Manner manner,
+                        const std::function<bool()>& is_unwanted)
     : admission_(admission), context_(context) {
   std::unique_lock lock(admission.mutex_);
   const bool in_line = manner == Manner::in_line;
@@ -22,8 +27,13 @@ Admission::Place::Place(Admission& admission, Context& context, Manner manner)
   };
   if (admission.closed_ || (in_line && !is_free() && admission.waiting_ >= admission.line_)) refuse_busy();
   if (in_line) ++admission.waiting_;
-  admission.freed_.wait(lock, [&] { return is_free() || (in_line ? admission.cancelled_ : admission.closed_); });
+  bool is_given_up = false;
+  while (!admission.freed_.wait_for(
+      lock, step, [&] { return is_free() || (in_line ? admission.cancelled_ : admission.closed_); })) {
+    if ((is_given_up = is_unwanted && is_unwanted())) break;
+  }
   if (in_line) --admission.waiting_;
+  if (is_given_up) throw Error(ErrorKind::cancelled, "cancelled", "The work was given up.");
   if (in_line ? admission.cancelled_ : admission.closed_) refuse_busy();
   admission.at_work_.insert(&context);
 }

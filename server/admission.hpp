@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <set>
 #include <utility>
@@ -23,8 +24,10 @@ class Admission {
   /// A place among those at work, given back when destroyed. Its context is told when the service has to stop.
   class Place {
    public:
-    /// Waits in the line. Throws Error{busy} when the line is full or the service stops before it is our turn.
-    Place(Admission& admission, Context& context, Manner manner = Manner::in_line);
+    /// Waits in the line. Throws Error{busy} when the line is full or the service stops before it is our turn, and
+    /// Error{cancelled} when the place `is_unwanted` any more, which is asked now and then.
+    Place(Admission& admission, Context& context, Manner manner = Manner::in_line,
+          const std::function<bool()>& is_unwanted = {});
     ~Place();
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;

@@ -101,9 +101,12 @@ Reply partial(Reply&& reply, const std::string& ranges) {
 }  // namespace
 
 void add_etag(const Call& call, Reply& reply) {
-  const auto* text = std::get_if<std::string>(&reply.body);
-  if (!text || !is_found(call, reply) || reply_header(reply, "ETag")) return;
+  if (!is_found(call, reply) || reply_header(reply, "ETag")) return;
   if (reply_header(reply, "Cache-Control").value_or("").find("no-store") != std::string::npos) return;
+  if (const auto* file = std::get_if<FileBody>(&reply.body); file && !file->sha256.empty())
+    reply.headers.emplace_back("ETag", "\"" + file->sha256 + "\"");
+  const auto* text = std::get_if<std::string>(&reply.body);
+  if (!text) return;
   // The media type too: JSON and a page of one resource differ even where their bytes would not.
   reply.headers.emplace_back("ETag", "\"" + sha256(reply.media_type + "\n" + *text).substr(0, 32) + "\"");
 }

@@ -10,7 +10,7 @@
 namespace terrane {
 
 /// Gives a text that answers a GET with 200 a strong ETag, made of its bytes, where the route has set none; not where
-/// Cache-Control says no-store. A file has one only when its route knows it: nobody reads it for that.
+/// Cache-Control says no-store. A file has one only when its hash is known: nobody reads it for that.
 void add_etag(const Call& call, Reply& reply);
 
 /// The ETag of the same content in another coding: "\"abc\"" and "gzip" give "\"abc-gzip\"".

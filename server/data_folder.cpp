@@ -23,8 +23,10 @@ namespace {
 
 constexpr off_t reserve_size = 4 << 20;
 
+bool is_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+
 [[noreturn]] void fail(int error, const fs::path& path) {
-  if (error == ENOSPC || error == EDQUOT || error == EFBIG)
+  if (is_full(error))
     throw Error(ErrorKind::storage_full, "storage-full",
                 "There is no room left for this; send it again when there is.");
   throw Error(ErrorKind::internal, "storage-failed", path.string() + ": " + std::strerror(error));
@@ -180,13 +182,20 @@ void DataFolder::remove_older(const fs::path& folder, std::chrono::milliseconds 
 
 void DataFolder::release_reserve() const { unlink((root_ / "reserve").c_str()); }
 
-void DataFolder::take_reserve() const {
+bool DataFolder::take_reserve() const {
   const fs::path path = root_ / "reserve";
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) return;
-  const bool taken = posix_fallocate(file, 0, reserve_size) == 0;
-  close(file);
-  if (!taken) unlink(path.c_str());
+  struct stat now;
+  const bool is_there = file >= 0 && fstat(file, &now) == 0 && now.st_size >= reserve_size &&
+                        now.st_blocks * 512 >= reserve_size;  // else some file systems write it all again
+  const int error = file < 0 ? errno : is_there ? 0 : posix_fallocate(file, 0, reserve_size);
+  if (file >= 0) close(file);
+  if (error) unlink(path.c_str());
+  return !is_full(error);
+}
+
+void DataFolder::require_reserve() const {
+  if (!take_reserve()) fail(ENOSPC, root_);
 }
 
 fs::path default_data_folder() {

@@ -80,10 +80,12 @@ class DataFolder {
   /// Removes what nobody has changed for so long from a folder.
   void remove_older(const std::filesystem::path& folder, std::chrono::milliseconds age) const;
 
-  /// Gives the reserve back to the file system, so that what must be written can be; then takes it again as soon as
-  /// there is room.
+  /// Gives the reserve back to the file system, so that what must be written can be.
   void release_reserve() const;
-  void take_reserve() const;
+  /// Takes it again; false when there is no room.
+  bool take_reserve() const;
+  /// Before new work: without the reserve there is room for nothing but what must be written. Throws Error{storage_full}.
+  void require_reserve() const;
 
  private:
   void lock();

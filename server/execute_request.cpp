@@ -51,6 +51,14 @@ std::string json_string(std::string_view slice, const std::string& what) {
 
 bool is_string(std::string_view slice) { return json_kind(slice) == '"'; }
 
+/// The standard's schema has mediaType and encoding beside the value, its examples have them in a member format.
+JsonMembers with_format_opened(JsonMembers members) {
+  for (const auto& [key, slice] : JsonMembers(members))
+    if (key == "format" && json_kind(slice) == '{')
+      for (const auto& inner : json_members(slice)) members.push_back(inner);
+  return members;
+}
+
 /// The members of {"value": …, "mediaType": …}, or nothing when the object is something else, such as a TIN.
 std::optional<JsonMembers> qualified_value(std::string_view slice) {
   if (json_kind(slice) != '{') return std::nullopt;
@@ -60,15 +68,11 @@ std::optional<JsonMembers> qualified_value(std::string_view slice) {
   return members;
 }
 
-InputPart input_from_qualified(const std::string& slot, JsonMembers members) {
+InputPart input_from_qualified(const std::string& slot, const JsonMembers& plain) {
   InputPart part{slot, slot, "", ""};
   std::string_view value;
   std::string encoding;
-  // The standard's schema has mediaType and encoding beside the value, its examples have them in a member format.
-  for (const auto& [key, slice] : JsonMembers(members))
-    if (key == "format" && json_kind(slice) == '{')
-      for (const auto& inner : json_members(slice)) members.push_back(inner);
-  for (const auto& [key, slice] : members) {
+  for (const auto& [key, slice] : with_format_opened(plain)) {
     const std::string what = "input " + slot + ", " + key;
     if (key == "value") value = slice;
     else if (key == "mediaType") part.media_type = json_string(slice, what);
@@ -88,19 +92,20 @@ InputPart input_from_qualified(const std::string& slot, JsonMembers members) {
   return part;
 }
 
-/// {"href": …, "type": …}, an OGC link, or nothing when the object is something else.
+/// {"href": …, "type": …}, an OGC link, perhaps with a format as values have it, or nothing when the object is something else.
 std::optional<InputPart> input_by_reference(const std::string& slot, std::string_view slice) {
   if (json_kind(slice) != '{') return std::nullopt;
-  const JsonMembers members = json_members(slice);
+  const JsonMembers members = with_format_opened(json_members(slice));
   if (std::none_of(members.begin(), members.end(), [](const auto& m) { return m.first == "href"; }))
     return std::nullopt;
+  constexpr std::string_view others[] = {"rel", "hreflang", "title", "format", "encoding", "schema"};
   InputPart part{slot, slot, "", ""};
   for (const auto& [key, text] : members) {
     const std::string what = "input " + slot + ", " + key;
     if (key == "href") part.href = json_string(text, what);
-    else if (key == "type") part.media_type = json_string(text, what);
+    else if (key == "type" || key == "mediaType") part.media_type = json_string(text, what);
     else if (key == "name") part.name = json_string(text, what);
-    else if (key != "rel" && key != "hreflang" && key != "title")
+    else if (std::find(std::begin(others), std::end(others), key) == std::end(others))
       fail("unknown-member",
            "The reference of " + slot + " has an unknown member " + key + "; there are href, type, name.");
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // POST /processes/{id}/execution: body -> a folder -> a worker, now or as a job -> reply. POST /uploads: body -> a folder.
+// Conversions of results, see job_pages.cpp, are worked on in the same way.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -80,7 +81,7 @@ Reply reply_of(const nlohmann::json& outcome, const fs::path& out) {
   if (const std::string name = from.at("file"); !name.empty()) {
     auto file = std::make_shared<const OpenFile>(out / name);
     if (file->size() <= small_body) reply.body = file->text();
-    else reply.body = FileBody{file, 0, file->size()};
+    else reply.body = FileBody{file, 0, file->size(), from.value("sha256", "")};
   }
   return reply;
 }
@@ -109,7 +110,9 @@ Service::Spooled Service::spool(const BodySource& body, const fs::path& path) {
 }
 
 Reply Service::execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone) {
+  data_.require_reserve();
   if (call.path == "/uploads") return upload(call, body);
+  if (call.method == "GET") return converted_output(call, client_is_gone);
   const Operation& operation = find_operation(execution_path(call.path).value());
   const bool later = prefers(call, "respond-async");
   Folder folder(data_.work(random_id()));
@@ -135,7 +138,7 @@ Reply Service::run_now(const Order& order, Folder& folder, const std::function<b
   const Instant started = Jobs::now();
   const Clock::time_point queued = Clock::now();
   Context context;
-  const Admission::Place place(admission_, context);
+  const Admission::Place place(admission_, context, Admission::Manner::in_line, client_is_gone);
   const std::string wait_ms = milliseconds_since(queued);
   const Clock::time_point begun = Clock::now();
   bool is_gone = false;

@@ -217,10 +217,9 @@ void Front::give_to_worker(Client& client) {
     returned_.emplace_back(&client, verdict);
     if (returned_.size() == 1) eventfd_write(wake_, 1);
   };
-  // Work may be asked for without a body, too.
   const std::string& method = request.head.method;
   const bool is_quick = method == "GET" || method == "HEAD" || method == "OPTIONS" || method == "DELETE";
-  const bool is_long = !is_quick && request.is_complete();
+  const bool is_long = request.is_complete() && (request.is_vetted || !is_quick);
   const bool is_taken = is_long ? threads_.add_long(std::move(task)) : threads_.add_short(std::move(task));
   if (!is_taken) refuse(client, busy());
 }
@@ -238,9 +237,11 @@ void Front::take_back() {
 
 void Front::take_back(Client& client, Verdict verdict) {
   Connection& connection = client.connection;
-  if (verdict == Verdict::wants_body) {
+  if (verdict == Verdict::wants_work) {
     if (stopping_) return refuse(client, busy());
-    const Incoming& request = *connection.request;
+    Incoming& request = *connection.request;
+    request.is_vetted = true;
+    if (request.is_complete()) return give_to_worker(client);
     // A client that has begun without waiting does not wait now.
     if (request.head.expects_continue && request.body.size() == 0 &&
         send(connection.socket(), go_on.data(), go_on.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {

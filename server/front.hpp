@@ -18,7 +18,7 @@
 namespace terrane {
 
 struct FrontLimits {
-  std::size_t long_tasks = 8;     // requests with bodies answered at the same time
+  std::size_t long_tasks = 8;     // requests that take work answered at the same time
   std::uint64_t max_body = 1;     // bytes as received
   std::string spool_folder = "."; // for bodies, and answers that wait for slow clients
 };
@@ -28,11 +28,12 @@ struct FrontLimits {
 /// clients cost memory within bounds and no thread. Workers see only requests that are here.
 ///
 /// A request whose body is not here yet is shown to a worker twice: first so that it may be refused by its header
-/// (then 100 Continue is never sent and nothing is received), then with its body.
+/// (then 100 Continue is never sent and nothing is received), then with its body. So is one without a body that turns
+/// out to take work: then among those that are long.
 class Front {
  public:
   enum class Verdict {
-    wants_body,  // receive it and ask again
+    wants_work,  // receive what is missing of its body, and ask again: then it may take long
     keep,        // answered; the connection is good for another request
     close        // answered or not; the connection ends when the client has taken what there is
   };

@@ -30,6 +30,7 @@ class Incoming {
   const RequestHead head;
   Spool body;
   const Clock::time_point start = Clock::now();
+  bool is_vetted = false;  // its head was seen and not answered: it takes work
 
  private:
   const std::uint64_t max_body_;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <chrono>
 #include <ctime>
+#include <limits>
 #include <thread>
 
 #include "core/error.hpp"
@@ -36,6 +37,14 @@ std::int64_t whole_number(const std::string& name, const std::string& text, std:
     throw HttpError(400, "bad-parameter",
                     "The parameter " + name + " takes a whole number from " + std::to_string(least) + ".");
   return value;
+}
+
+/// One or several, in milliseconds.
+std::vector<std::int64_t> durations(const std::string& name, const std::string& text) {
+  constexpr std::int64_t longest = std::numeric_limits<std::int64_t>::max() / 1000;
+  std::vector<std::int64_t> result;
+  for (const std::string& word : list_of(text)) result.push_back(1000 * std::min(longest, whole_number(name, word, 0)));
+  return result;
 }
 
 [[noreturn]] void bad_datetime() {
@@ -104,9 +113,11 @@ JobFilter filter_of(const Call& call) {
     } else if (name == "datetime") {
       set_interval(filter, text);
     } else if (name == "minDuration") {
-      filter.min_duration = 1000 * whole_number(name, text, 0);
+      for (const std::int64_t bound : durations(name, text))
+        filter.min_duration = std::max(bound, filter.min_duration.value_or(bound));
     } else if (name == "maxDuration") {
-      filter.max_duration = 1000 * whole_number(name, text, 0);
+      for (const std::int64_t bound : durations(name, text))
+        filter.max_duration = std::min(bound, filter.max_duration.value_or(bound));
     } else {
       throw HttpError(400, "unknown-parameter",
                       "There is no parameter " + header_text(name) +
@@ -132,8 +143,6 @@ std::vector<std::string> pieces(const std::string& path) {
   return result;
 }
 
-std::string etag(const std::string& sha256) { return "\"" + sha256 + "\""; }
-
 }  // namespace
 
 Job Service::require_job(const std::string& id) {
@@ -143,11 +152,10 @@ Job Service::require_job(const std::string& id) {
 }
 
 std::optional<Reply> Service::answer_jobs(const Call& call) {
-  if (call.path != "/jobs" && !call.path.starts_with("/jobs/")) return std::nullopt;
   const auto parts = pieces(call.path);
   const bool is_results = parts.size() >= 2 && parts[1] == "results" && parts.size() <= 3;
   const bool is_events = parts.size() == 2 && parts[1] == "events";
-  if (parts.size() > 1 && !is_results && !is_events) return std::nullopt;
+  if (parts.size() > 1 && !is_results && !is_events) refuse_path();
   const std::string allowed = parts.size() == 1 ? "GET, HEAD, DELETE, OPTIONS" : "GET, HEAD, OPTIONS";
   if (call.method == "OPTIONS") return Reply{204, "", {{"Allow", allowed}}, ""};
   if (call.method == "DELETE" && parts.size() == 1) return dismiss_job(call, parts[0]);
@@ -197,27 +205,28 @@ Reply Service::job_results(const Call&, const std::string& id) {
   return reply;
 }
 
-Reply Service::job_output(const Call& call, const std::string& id, const std::string& output) {
+/// Nothing when it is wanted in another format, which takes work.
+std::optional<Reply> Service::job_output(const Call& call, const std::string& id, const std::string& output) {
   const Job job = require_job(id);
   const StoredOutput stored = stored_output(data_, job, output);
-  const auto f = query_value(call, "f");
   const auto accepted = accepted_media_types(call.accept);
-  if (f || !is_accepted(accepted, stored.description.at("media_type").get<std::string>())) {
-    // Another format is made when somebody wants it.
-    Folder folder(data_.work(random_id()));
-    const Order order{random_id(), "convert", base_url(call), "application/json", call.accept, call.query, 1};
-    write_file(folder.path() / "call.json", to_json(order).dump());
-    write_file(folder.path() / "body",
-               nlohmann::json{{"inputs", {{"surface", {{"href", "/jobs/" + id + "/results/" + output}}}}}}.dump());
-    return run_now(order, folder, [] { return false; });
-  }
+  if (query_value(call, "f") || !is_accepted(accepted, stored.description.at("media_type").get<std::string>()))
+    return std::nullopt;
   auto file = std::make_shared<const OpenFile>(stored.file);
-  Reply reply{200, stored.description.at("media_type"), {}, FileBody{file, 0, file->size()}};
-  reply.headers = {{"ETag", etag(stored.description.at("sha256"))},
-                   {"Content-Disposition",
+  Reply reply{200, stored.description.at("media_type"), {},
+              FileBody{file, 0, file->size(), stored.description.at("sha256")}};
+  reply.headers = {{"Content-Disposition",
                     "attachment; filename=\"" + header_text(stored.description.at("file_name").get<std::string>()) +
                         "\""}};
   return reply;
+}
+
+Reply Service::converted_output(const Call& call, const std::function<bool()>& client_is_gone) {
+  Folder folder(data_.work(random_id()));
+  const Order order{random_id(), "convert", base_url(call), "application/json", call.accept, call.query, 1};
+  write_file(folder.path() / "call.json", to_json(order).dump());
+  write_file(folder.path() / "body", nlohmann::json{{"inputs", {{"surface", {{"href", call.path}}}}}}.dump());
+  return run_now(order, folder, client_is_gone);
 }
 
 /// Server-sent events: `status` whenever something changed, until the job is over.

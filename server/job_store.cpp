@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, 5> status_words = {"accepted", "running",
 
 const std::string columns =
     "id, operation, status, message, progress, created, updated, started, finished, expires, attempts, owner, "
-    "idempotency_key, fingerprint, subscriber, outcome";
+    "idempotency_key, fingerprint, subscriber, outcome, tellings";
 
 /// PostgreSQL refuses text that is not UTF-8 or holds a zero, and a message may quote what a client sent.
 std::string clean(std::string text) {
@@ -65,6 +65,7 @@ Job job_of(const SqlRow& row) {
     job.fingerprint = text(13);
     job.subscriber = json(14);
     job.outcome = json(15);
+    job.tellings = static_cast<int>(number(16));
     return job;
   } catch (const std::exception& exception) {
     fail_store("a record of a job cannot be understood: " + std::string(exception.what()));
@@ -169,6 +170,7 @@ class SqlJobStore : public JobStore {
     const std::lock_guard lock(taking_);
     auto job = first(database_->run(
         "UPDATE terrane_jobs SET status = 'running', owner = $1, claim = $2, started = $3, updated = $3, heard = $3, "
+        "tellings = 0, tell_at = CASE WHEN subscriber IS NULL THEN NULL ELSE $3 END, "
         "attempts = attempts + CASE WHEN status = 'accepted' THEN 1 ELSE 0 END WHERE number = coalesce("
         "(SELECT number FROM terrane_jobs WHERE claim = $2 AND status = 'running'), "
         "(SELECT number FROM terrane_jobs WHERE status = 'accepted' ORDER BY number LIMIT 1" +
@@ -195,6 +197,7 @@ class SqlJobStore : public JobStore {
     // Owner and claim stay, so that the same once more is known as the same.
     return changed(
         "UPDATE terrane_jobs SET status = $3, message = $4, outcome = $5, updated = $6, finished = $6, expires = $7, "
+        "tell_at = CASE WHEN subscriber IS NULL THEN NULL ELSE coalesce(tell_at, $6) END, "
         "progress = CASE WHEN $3 = 'successful' THEN 100 ELSE progress END WHERE id = $1 AND owner = $2 "
         "AND (status = 'running' OR (status = $3 AND finished = $6)) RETURNING id",
         {clean(id), clean(owner), std::string(word(status)), clean(message), json_value(outcome), now, expires});
@@ -203,14 +206,14 @@ class SqlJobStore : public JobStore {
   bool hand_back(const std::string& id, const std::string& owner, Instant now) override {
     return changed(
         "UPDATE terrane_jobs SET status = 'accepted', message = '', progress = 0, updated = $3, started = NULL, "
-        "owner = '', claim = NULL WHERE id = $1 AND owner = $2 AND status = 'running' RETURNING id",
+        "owner = '', claim = NULL, tell_at = NULL WHERE id = $1 AND owner = $2 AND status = 'running' RETURNING id",
         {clean(id), clean(owner), now});
   }
 
   std::optional<Job> dismiss(const std::string& id, Instant now, Instant expires) override {
     const auto job = first(database_->run(
         "UPDATE terrane_jobs SET status = 'dismissed', updated = $2, finished = $2, expires = $3, owner = '', "
-        "claim = NULL WHERE id = $1 AND status IN ('accepted', 'running') RETURNING " +
+        "claim = NULL, tell_at = NULL WHERE id = $1 AND status IN ('accepted', 'running') RETURNING " +
             columns,
         {clean(id), now, expires}));
     return job ? job : find(id);
@@ -221,7 +224,7 @@ class SqlJobStore : public JobStore {
     database_->run("UPDATE terrane_jobs SET heard = $2 WHERE owner = $1 AND status = 'running'", {clean(server), now});
   }
 
-  std::vector<Job> recover(Instant lost_before, int max_attempts, const std::string& message,
+  std::vector<Job> recover(const std::string& server, Instant lost_before, int max_attempts, const std::string& message,
                            const nlohmann::json& outcome, Instant now, Instant expires) override {
     const auto unless_tired = [](const std::string& then, const std::string& otherwise) {
       return "CASE WHEN attempts < $2 THEN " + then + " ELSE " + otherwise + " END";
@@ -233,13 +236,34 @@ class SqlJobStore : public JobStore {
                  ", outcome = " + unless_tired("NULL", "$4") +
                  ", updated = $5, started = " + unless_tired("NULL", "started") +
                  ", finished = " + unless_tired("NULL", "$5") + ", expires = " + unless_tired("NULL", "$6") +
+                 ", tell_at = " + unless_tired("NULL", "CASE WHEN subscriber IS NULL THEN NULL ELSE $5 END") +
                  ", owner = '', claim = NULL WHERE number IN (SELECT number FROM terrane_jobs WHERE status = 'running' "
-                 "AND heard < $1 ORDER BY number" +
+                 "AND heard < $1 AND owner <> $7 ORDER BY number" +
                  skip_locked_ + ") RETURNING " + columns,
-             {lost_before, std::int64_t{max_attempts}, clean(message), json_value(outcome), now, expires})) {
+             {lost_before, std::int64_t{max_attempts}, clean(message), json_value(outcome), now, expires,
+              clean(server)})) {
       jobs.push_back(job_of(row));
     }
     return jobs;
+  }
+
+  std::optional<Job> untold(Instant now, Instant until) override {
+    // Were the answer lost, it is told later.
+    return first(database_->run(
+        "UPDATE terrane_jobs SET tellings = tellings + 1, tell_at = $2 WHERE number = (SELECT number FROM terrane_jobs "
+        "WHERE tell_at <= $1 ORDER BY tell_at LIMIT 1" +
+            skip_locked_ + ") RETURNING " + columns,
+        {now, until}));
+  }
+
+  void told(const std::string& id, JobStatus status, Instant now) override {
+    database_->run("UPDATE terrane_jobs SET tell_at = CASE WHEN status = $2 THEN NULL ELSE $3 END "
+                   "WHERE id = $1 AND tell_at IS NOT NULL",
+                   {clean(id), std::string(word(status)), now});
+  }
+
+  void tell_again(const std::string& id, Instant when) override {
+    database_->run("UPDATE terrane_jobs SET tell_at = $2 WHERE id = $1 AND tell_at IS NOT NULL", {clean(id), when});
   }
 
   std::vector<std::string> expired(Instant now, std::size_t limit) override {
@@ -282,10 +306,13 @@ std::string job_schema(std::string_view number) {
          ", id text NOT NULL UNIQUE, operation text NOT NULL, status text NOT NULL, message text NOT NULL, "
          "progress bigint NOT NULL, created bigint NOT NULL, updated bigint NOT NULL, started bigint, finished bigint, "
          "expires bigint, attempts bigint NOT NULL DEFAULT 0, owner text NOT NULL DEFAULT '', claim text UNIQUE, "
-         "heard bigint, idempotency_key text UNIQUE, fingerprint text NOT NULL, subscriber text, outcome text);"
+         "heard bigint, idempotency_key text UNIQUE, fingerprint text NOT NULL, subscriber text, outcome text, "
+         // When the subscriber is to hear of it, and how often that was tried.
+         "tell_at bigint, tellings bigint NOT NULL DEFAULT 0);"
          "CREATE INDEX terrane_jobs_line ON terrane_jobs (status, number);"
          "CREATE INDEX terrane_jobs_list ON terrane_jobs (created DESC, id);"
-         "CREATE INDEX terrane_jobs_expires ON terrane_jobs (expires);";
+         "CREATE INDEX terrane_jobs_expires ON terrane_jobs (expires);"
+         "CREATE INDEX terrane_jobs_tell ON terrane_jobs (tell_at);";
 }
 
 std::unique_ptr<JobStore> make_job_store(std::shared_ptr<SqlDatabase> database, std::shared_ptr<SqlDatabase> reader,

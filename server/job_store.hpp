@@ -38,6 +38,7 @@ struct Job {
   std::string idempotency_key;     // of the client, or empty
   std::string fingerprint;         // of the request that the key stands for
   nlohmann::json subscriber;       // the URIs of a subscriber, or null
+  int tellings = 0;                // how often its subscriber was to hear of it
   nlohmann::json outcome;          // of a job that is over: what its results are, or the problem it failed with; or null
 };
 
@@ -90,10 +91,20 @@ class JobStore {
 
   /// Says that a server is alive. A server that has not said so since before `lost_before` is lost.
   virtual void heartbeat(const std::string& server, Instant now) = 0;
-  /// Running jobs of lost servers go back in the line with their place, those that were taken `max_attempts` times fail
-  /// with `message` and `outcome` instead. Returns all of them as they are now. Whoever of several servers asks first gets them.
-  virtual std::vector<Job> recover(Instant lost_before, int max_attempts, const std::string& message,
-                                   const nlohmann::json& outcome, Instant now, Instant expires) = 0;
+  /// Running jobs of lost servers other than `server` go back in the line with their place, those that were taken
+  /// `max_attempts` times fail with `message` and `outcome` instead. Returns all of them as they are now. Whoever of
+  /// several servers asks first gets them.
+  virtual std::vector<Job> recover(const std::string& server, Instant lost_before, int max_attempts,
+                                   const std::string& message, const nlohmann::json& outcome, Instant now,
+                                   Instant expires) = 0;
+
+  /// A job that was taken or is over and whose subscriber does not know, the one that waits for longest; nothing when
+  /// there is none. Nobody else gets it before `until`, from when on it counts as not told.
+  virtual std::optional<Job> untold(Instant now, Instant until) = 0;
+  /// The subscriber knows of that status, or never will. When it is another by now, of that there is to tell.
+  virtual void told(const std::string& id, JobStatus status, Instant now) = 0;
+  /// It is to be told at that time.
+  virtual void tell_again(const std::string& id, Instant when) = 0;
 
   /// Ids of jobs whose `expires` has passed, the oldest first.
   virtual std::vector<std::string> expired(Instant now, std::size_t limit) = 0;

@@ -28,8 +28,6 @@ constexpr auto house_step = 5s;
 constexpr auto idle_step = 1s;  // other servers may have submitted
 constexpr std::int64_t told_every_ms = 500, asked_every_ms = 700;
 constexpr auto abandoned_after = 48h;  // folders of servers that never came back
-constexpr int callback_attempts = 3;
-constexpr std::uint64_t largest_callback = 64 << 20;
 
 /// Stages come one after another, each with a fraction of its own, and nobody knows how many there will be: every one
 /// gets a part of what is left. Never falls, never reaches 100 before the end.
@@ -61,10 +59,10 @@ Jobs::Jobs(JobStore& store, const DataFolder& data, Workers& workers, Admission&
       workers_(workers),
       admission_(admission),
       references_(references),
-      outbound_(outbound),
       limits_(limits),
       server_(std::move(server)),
-      only_server_(only_server) {
+      only_server_(only_server),
+      callbacks_(store, data, outbound) {
   remove_orphans();
   keep_house();
   for (int i = 0; i < limits_.runners; ++i) threads_.emplace_back([this] { run(); });
@@ -78,6 +76,17 @@ Jobs::Jobs(JobStore& store, const DataFolder& data, Workers& workers, Admission&
   });
 }
 
+/// What ends, hands back or forgets jobs has to be written on a full disk too: for this the reserve is kept.
+template <class Write>
+auto Jobs::write_down(const Write& write) {
+  try {
+    return write();
+  } catch (const std::exception&) {
+    data_.release_reserve();
+    return write();
+  }
+}
+
 Jobs::~Jobs() { stop(); }
 
 void Jobs::stop() {
@@ -88,6 +97,7 @@ void Jobs::stop() {
   wake_.notify_all();
   for (std::thread& thread : threads_)
     if (thread.joinable()) thread.join();
+  callbacks_.stop();
 }
 
 bool Jobs::has_room() {
@@ -138,7 +148,7 @@ std::optional<Job> Jobs::dismiss(const std::string& id) {
     job->status = JobStatus::dismissed;
     return job;
   }
-  job = store_.dismiss(id, now(), now() + limits_.expiry_ms);
+  job = write_down([&] { return store_.dismiss(id, now(), now() + limits_.expiry_ms); });
   const std::lock_guard lock(mutex_);
   if (const auto found = running_.find(id); found != running_.end()) *found->second = true;
   return job;
@@ -162,7 +172,7 @@ void Jobs::run() {
         work(*job);
       } catch (const std::exception& exception) {
         if (as_error(exception).kind != ErrorKind::busy)  // else the service is closing
-          log_event("error", std::string("the line of jobs: ") + exception.what());
+          log_event(LogLevel::error, std::string("the line of jobs: ") + exception.what());
         break;
       }
       const std::lock_guard lock(mutex_);
@@ -182,7 +192,7 @@ void Jobs::work(const Job& job) {
     running_.erase(job.id);
   });
   try {
-    tell(job, "inProgressUri", "application/json", status_info(job, base_of(job)).dump());
+    callbacks_.wake();
     const nlohmann::json outcome = perform(job, dismissed);
     finish({job, JobStatus::successful, "done", outcome});
   } catch (const std::exception& exception) {
@@ -190,10 +200,10 @@ void Jobs::work(const Job& job) {
     if (dismissed) {
       // nobody waits for it
     } else if (as_error(exception).kind == ErrorKind::cancelled) {
-      store_.hand_back(job.id, server_, now());
+      write_down([&] { return store_.hand_back(job.id, server_, now()); });
     } else {
       const bool ours = failure.value("kind", -1) == static_cast<int>(ErrorKind::internal);
-      if (ours) log_event("error", "job " + job.id + ": " + exception.what());
+      if (ours) log_event(LogLevel::error, "job " + job.id + ": " + exception.what());
       finish({job, JobStatus::failed,
               ours ? "Terrane failed on this job; that is a mistake of ours." : failure.at("message"),
               {{"failure", failure}}});
@@ -220,7 +230,7 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
     try {
       lost = !store_.progress(job.id, server_, percent_now, stage_now, now());
     } catch (const Error& error) {
-      log_event("warning", "progress of job " + job.id + ": " + error.what());
+      log_event(LogLevel::warning, "progress of job " + job.id + ": " + error.what());
     }
   };
   events.progress = [&](const std::string& stage, double fraction) {
@@ -235,7 +245,7 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
     const std::lock_guard lock(mutex_);
     return stopping_ || lost || dismissed;
   };
-  const std::string base = base_of(job);
+  const std::string base = base_of(data_, job);
   events.resolve = [&](const std::string& href) { return references_.resolve(folder.path(), base, href); };
   nlohmann::json outcome = workers_.run(Workers::What::perform, folder.path(), limits_.worker, limits_.seconds, events);
 
@@ -249,68 +259,27 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
 
 /// A job that is done stays ours until that is written down, however long the disk is full.
 void Jobs::finish(const Ending& ending) {
-  const auto write_down = [&] {
-    return store_.finish(ending.job.id, server_, ending.status, ending.message, ending.outcome, now(),
-                         now() + limits_.expiry_ms);
-  };
-  bool ours = false;
   try {
-    ours = write_down();
-  } catch (const std::exception&) {
-    try {
-      data_.release_reserve();  // for this it was kept
-      ours = write_down();
-    } catch (const std::exception& exception) {
-      log_event("error", "the end of job " + ending.job.id + ": " + exception.what());
-      const std::lock_guard lock(mutex_);
-      unwritten_.push_back(ending);
-    }
-  }
-  if (!ours) return;
-  try {
-    tell_end(ending);
+    write_down([&] {
+      return store_.finish(ending.job.id, server_, ending.status, ending.message, ending.outcome, now(),
+                           now() + limits_.expiry_ms);
+    });
   } catch (const std::exception& exception) {
-    log_event("warning", "telling of the end of job " + ending.job.id + ": " + exception.what());
+    log_event(LogLevel::error, "the end of job " + ending.job.id + ": " + exception.what());
+    const std::lock_guard lock(mutex_);
+    unwritten_.push_back(ending);
   }
+  callbacks_.wake();
 }
 
-void Jobs::tell_end(const Ending& ending) {
-  const Job& job = ending.job;
-  if (!job.subscriber.is_object()) return;
-  if (ending.status != JobStatus::successful) {
-    const auto done = store_.find(job.id);
-    return tell(job, "failedUri", "application/json", status_info(done ? *done : job, base_of(job)).dump());
-  }
-  const nlohmann::json& reply = ending.outcome.at("reply");
-  const std::string file = reply.value("file", "");
-  std::string body = status_info(job, base_of(job)).dump();
-  if (!file.empty()) {
-    const OpenFile result(data_.job(job.id) / ending.outcome.at("folder").get<std::string>() / file);
-    if (result.size() <= largest_callback) body = result.text();
-  }
-  tell(job, "successUri", reply.value("media_type", "application/json"), body);
-}
-
-/// How the client that ordered it addressed us.
-std::string Jobs::base_of(const Job& job) const {
-  return nlohmann::json::parse(OpenFile(data_.job(job.id) / "call.json").text()).value("base", "");
-}
-
-void Jobs::tell(const Job& job, const char* event, const std::string& media_type, const std::string& body) {
-  if (!job.subscriber.is_object() || !job.subscriber.contains(event)) return;
-  const std::string uri = job.subscriber.value(event, "");
-  for (int i = 0; i < callback_attempts; ++i) {
-    if (outbound_.post(uri, media_type, body)) return;
-    if (!outbound_.is_allowed(uri)) break;
-  }
-  log_event("warning", "job " + job.id + ": its subscriber did not take " + event);
+std::string base_of(const DataFolder& data, const Job& job) {
+  return nlohmann::json::parse(OpenFile(data.job(job.id) / "call.json").text()).value("base", "");
 }
 
 void Jobs::keep_house() {
   try {
-    // Alone, whatever runs at the start is left from before, and later nothing is. Among several, those are lost who have
-    // not been heard of; but a server that was asleep itself hears of nobody, and waits until all had time to speak.
-    const bool first = threads_.empty();
+    // Alone, whatever others run is left from before. Among several, those are lost who have not been heard of; but a
+    // server that was asleep itself hears of nobody, and waits until all had time to speak.
     const bool awake = now() - heard_ < limits_.lost_after_ms;
     if (!only_server_) fs::last_write_time(data_.work(), fs::file_time_type::clock::now());
     store_.heartbeat(server_, now());
@@ -320,9 +289,9 @@ void Jobs::keep_house() {
                         "The servers that worked on this job were lost " + std::to_string(limits_.max_attempts) +
                             " times; it is not tried again.");
     std::vector<Job> back;
-    if (only_server_ ? first : awake)
-      back = store_.recover(lost_before, limits_.max_attempts, failure.what(), {{"failure", failure_message(failure)}},
-                            now(), now() + limits_.expiry_ms);
+    if (only_server_ || awake)
+      back = store_.recover(server_, lost_before, limits_.max_attempts, failure.what(),
+                            {{"failure", failure_message(failure)}}, now(), now() + limits_.expiry_ms);
     if (!back.empty()) {
       const std::lock_guard lock(mutex_);
       news_ = true;
@@ -338,14 +307,14 @@ void Jobs::keep_house() {
     if (!only_server_) data_.remove_older(data_.root() / "work", abandoned_after);
     data_.take_reserve();
   } catch (const std::exception& exception) {
-    log_event("error", std::string("keeping house: ") + exception.what());
+    log_event(LogLevel::error, std::string("keeping house: ") + exception.what());
   }
   wake_.notify_all();
 }
 
 /// The record goes first: a folder without one is an orphan, a record without a folder would be a lie.
 void Jobs::forget(const std::string& id) {
-  store_.remove(id);
+  write_down([&] { store_.remove(id); });
   std::error_code ignored;
   fs::remove_all(data_.job(id), ignored);
 }

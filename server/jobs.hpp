@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "server/admission.hpp"
+#include "server/callbacks.hpp"
 #include "server/data_folder.hpp"
 #include "server/job_store.hpp"
-#include "server/outbound.hpp"
 #include "server/references.hpp"
 #include "server/workers.hpp"
 
@@ -70,9 +70,8 @@ class Jobs {
     nlohmann::json outcome;
   };
   void finish(const Ending& ending);
-  void tell_end(const Ending& ending);
-  std::string base_of(const Job& job) const;
-  void tell(const Job& job, const char* event, const std::string& media_type, const std::string& body);
+  template <class Write>
+  auto write_down(const Write& write);
   void keep_house();
   void forget(const std::string& id);
   void remove_orphans();
@@ -82,7 +81,6 @@ class Jobs {
   Workers& workers_;
   Admission& admission_;
   const References& references_;
-  const Outbound& outbound_;
   const JobLimits limits_;
   const std::string server_;
   const bool only_server_;
@@ -93,9 +91,12 @@ class Jobs {
   Instant heard_ = 0;  // when the store last took our sign of life
   std::map<std::string, std::atomic<bool>*> running_;  // here, and whether it was dismissed
   std::vector<Ending> unwritten_;                      // that the store did not take
+  Callbacks callbacks_;
   std::vector<std::thread> threads_;
 };
 
+/// How the client that ordered it addressed us.
+std::string base_of(const DataFolder& data, const Job& job);
 /// OGC API - Processes 1.0, statusInfo.yaml, with links from `base`.
 nlohmann::json status_info(const Job& job, const std::string& base);
 /// RFC 3339, UTC, milliseconds.

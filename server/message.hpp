@@ -33,7 +33,6 @@ struct Call {
   std::string version;  // "HTTP/1.1"
   std::string user;     // the owner of its token; empty where nobody needs one
   std::string accept, content_type, content_encoding, content_length, transfer_encoding;
-  bool ambiguous_length = false;  // two lengths, or a length beside a transfer coding
 };
 
 /// The body of an answer that is sent from a file: `size` bytes from `offset`. The file stays open until it is sent, so
@@ -41,6 +40,7 @@ struct Call {
 struct FileBody {
   std::shared_ptr<const OpenFile> file;
   std::uint64_t offset = 0, size = 0;
+  std::string sha256 = {};  // of the whole file, where it is known
 };
 
 /// The body of an answer that is made while it is sent, such as events. Hands pieces to `write` until the end, or until

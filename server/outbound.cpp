@@ -182,8 +182,8 @@ Outbound::Fetched Outbound::fetch(const std::string& uri, const std::filesystem:
   return {type ? type : "", path.substr(path.rfind('/') + 1)};
 }
 
-bool Outbound::post(const std::string& uri, const std::string& media_type, const std::string& body) const {
-  if (!is_allowed(uri)) return false;
+Outbound::Answer Outbound::post(const std::string& uri, const std::string& media_type, const std::string& body) const {
+  if (!is_allowed(uri)) return Answer::refused;
   Transfer transfer{place_of(uri)->host, false, nullptr, 0, nullptr, &stopping_};
   const Handle handle = handle_for(uri, transfer, post_seconds);
   const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> headers(
@@ -192,9 +192,12 @@ bool Outbound::post(const std::string& uri, const std::string& media_type, const
   curl_easy_setopt(handle.get(), CURLOPT_POSTFIELDS, body.data());
   curl_easy_setopt(handle.get(), CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(body.size()));
   long status = 0;
-  if (curl_easy_perform(handle.get()) != CURLE_OK) return false;
+  const CURLcode code = curl_easy_perform(handle.get());
+  if (transfer.refused) return Answer::refused;
+  if (code != CURLE_OK) return Answer::none;
   curl_easy_getinfo(handle.get(), CURLINFO_RESPONSE_CODE, &status);
-  return status / 100 == 2;
+  if (status / 100 == 2) return Answer::taken;
+  return status / 100 == 4 && status != 408 && status != 429 ? Answer::refused : Answer::none;
 }
 
 }  // namespace terrane

@@ -23,8 +23,12 @@ class Outbound {
   /// "reference-failed", Error{limit}, Error{storage_full}.
   Fetched fetch(const std::string& uri, const std::filesystem::path& to, std::uint64_t most) const;
 
-  /// POST; false when it is not allowed or nobody took it (no 2xx within 10 s).
-  bool post(const std::string& uri, const std::string& media_type, const std::string& body) const;
+  enum class Answer {
+    taken,    // 2xx
+    refused,  // 4xx, or the place is not allowed: the same would be refused again
+    none      // within ten seconds, or any other
+  };
+  Answer post(const std::string& uri, const std::string& media_type, const std::string& body) const;
 
   /// Whatever goes on ends soon, and nothing is begun any more.
   void stop() const { stopping_ = true; }

@@ -102,6 +102,31 @@ bool is_json(std::string_view media_type) {
   return plain == json_type || plain.ends_with("+json");
 }
 
+/// Counts and names bytes on their way to a file.
+class OutputFile {
+ public:
+  OutputFile(const fs::path& out, std::string name) : name_(std::move(name)), file_(out / name_) {}
+  void write(std::string_view piece) {
+    hash_.add(piece);
+    size_ += piece.size();
+    file_.write(piece);
+  }
+  nlohmann::json keep(const std::string& media_type, const std::string& file_name) {
+    file_.keep();
+    return {{"file", name_},
+            {"media_type", media_type},
+            {"file_name", file_name},
+            {"size", size_},
+            {"sha256", hash_.finish()}};
+  }
+
+ private:
+  std::string name_;
+  NewFile file_;
+  Sha256 hash_;
+  std::uint64_t size_ = 0;
+};
+
 /// The answer put together from the outputs that lie in `out`.
 class Answer {
  public:
@@ -146,7 +171,8 @@ class Answer {
     return {{"status", 200},
             {"media_type", output["media_type"]},
             {"headers", TextPairs{{"Content-Disposition", disposition(output)}}},
-            {"file", output["file"]}};
+            {"file", output["file"]},
+            {"sha256", output["sha256"]}};
   }
 
   static std::string disposition(const nlohmann::json& output) {
@@ -161,7 +187,7 @@ class Answer {
     return {{"status", 204}, {"media_type", ""}, {"headers", headers}, {"file", ""}};
   }
 
-  void append(NewFile& to, const std::string& id) const {
+  void append(OutputFile& to, const std::string& id) const {
     const OpenFile from(out_ / outputs_.at(id)["file"].get<std::string>());
     std::string piece(block, '\0');
     for (std::uint64_t at = 0; at < from.size(); at += piece.size()) {
@@ -174,7 +200,7 @@ class Answer {
 
   nlohmann::json multipart(const std::vector<OutputAsk>& wanted) const {
     const std::string boundary = "part-" + random_id();
-    NewFile file(out_ / "multipart");
+    OutputFile file(out_, "multipart");
     for (const OutputAsk& asked : wanted) {
       const nlohmann::json& output = outputs_.at(asked.id);
       file.write("--" + boundary + "\r\nContent-ID: <" + asked.id + ">\r\nContent-Type: " +
@@ -188,16 +214,12 @@ class Answer {
       file.write("\r\n");
     }
     file.write("--" + boundary + "--\r\n");
-    file.keep();
-    return {{"status", 200},
-            {"media_type", "multipart/related; boundary=" + boundary},
-            {"headers", TextPairs{}},
-            {"file", "multipart"}};
+    return together(file, "multipart/related; boundary=" + boundary);
   }
 
   /// The values are spliced in as text: a large surface is not parsed again.
   nlohmann::json document(const std::vector<OutputAsk>& wanted) const {
-    NewFile file(out_ / "document");
+    OutputFile file(out_, "document");
     const char* between = "{";
     for (const OutputAsk& asked : wanted) {
       const nlohmann::json& output = outputs_.at(asked.id);
@@ -208,11 +230,17 @@ class Answer {
       between = ",";
     }
     file.write("}\n");
-    file.keep();
-    return {{"status", 200}, {"media_type", json_type}, {"headers", TextPairs{}}, {"file", "document"}};
+    return together(file, std::string(json_type));
   }
 
-  void value(NewFile& file, const std::string& id, const std::string& media_type) const {
+  static nlohmann::json together(OutputFile& file, const std::string& media_type) {
+    nlohmann::json reply = file.keep(media_type, "");
+    reply["status"] = 200;
+    reply["headers"] = TextPairs{};
+    return reply;
+  }
+
+  void value(OutputFile& file, const std::string& id, const std::string& media_type) const {
     const std::string type = nlohmann::json(media_type).dump();
     if (is_json(media_type)) {
       file.write("{\"mediaType\":" + type + ",\"value\":");
@@ -233,31 +261,6 @@ class Answer {
   const Asked& asked_;
   const fs::path& out_;
   const nlohmann::json& outputs_;
-};
-
-/// Counts and names bytes on their way to a file.
-class OutputFile {
- public:
-  OutputFile(const fs::path& out, std::string name) : name_(std::move(name)), file_(out / name_) {}
-  void write(std::string_view piece) {
-    hash_.add(piece);
-    size_ += piece.size();
-    file_.write(piece);
-  }
-  nlohmann::json keep(const std::string& media_type, const std::string& file_name) {
-    file_.keep();
-    return {{"file", name_},
-            {"media_type", media_type},
-            {"file_name", file_name},
-            {"size", size_},
-            {"sha256", hash_.finish()}};
-  }
-
- private:
-  std::string name_;
-  NewFile file_;
-  Sha256 hash_;
-  std::uint64_t size_ = 0;
 };
 
 }  // namespace

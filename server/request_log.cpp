@@ -2,6 +2,8 @@
 #include "server/request_log.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cctype>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +13,9 @@
 namespace terrane {
 
 namespace {
+
+constexpr std::array<std::string_view, 3> level_words = {"info", "warning", "error"};
+std::atomic<LogLevel> least_level = LogLevel::info;
 
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
@@ -33,18 +38,35 @@ void write_line(const nlohmann::ordered_json& value) {
 
 }  // namespace
 
+std::string_view word(LogLevel level) { return level_words.at(static_cast<std::size_t>(level)); }
+
+std::optional<LogLevel> log_level(std::string_view word) {
+  const auto found = std::find(level_words.begin(), level_words.end(), word);
+  if (found == level_words.end()) return std::nullopt;
+  return static_cast<LogLevel>(found - level_words.begin());
+}
+
+void set_log_level(LogLevel least) { least_level = least; }
+
 void log_request(const LogLine& line) {
-  nlohmann::ordered_json value = {
-      {"time", utc_now()},       {"request_id", line.request_id},     {"client", line.client},
-      {"method", line.method},   {"path", line.path.substr(0, 1024)}, {"status", line.status},
-      {"seconds", line.seconds}, {"bytes_in", line.bytes_in},         {"bytes_out", line.bytes_out}};
+  const LogLevel level = line.status < 500                          ? LogLevel::info
+                         : line.status == 503 || line.status == 507 ? LogLevel::warning
+                                                                    : LogLevel::error;
+  if (level < least_level) return;
+  nlohmann::ordered_json value = {{"time", utc_now()},         {"request_id", line.request_id},
+                                  {"level", word(level)},      {"client", line.client},
+                                  {"method", line.method},     {"path", line.path.substr(0, 1024)},
+                                  {"status", line.status},     {"seconds", line.seconds},
+                                  {"bytes_in", line.bytes_in}, {"bytes_out", line.bytes_out}};
   if (!line.user.empty()) value["user"] = line.user;
   if (!line.failure.empty()) value["failure"] = line.failure;
   write_line(value);
 }
 
-void log_event(std::string_view level, std::string_view message, const nlohmann::ordered_json& details) {
-  nlohmann::ordered_json value = {{"time", utc_now()}, {"request_id", ""}, {"level", level}, {"message", message}};
+void log_event(LogLevel level, std::string_view message, const nlohmann::ordered_json& details) {
+  if (level < least_level) return;
+  nlohmann::ordered_json value = {
+      {"time", utc_now()}, {"request_id", ""}, {"level", word(level)}, {"message", message}};
   value.update(details);
   write_line(value);
 }

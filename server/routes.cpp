@@ -41,7 +41,7 @@ struct Exchange {
   std::string id;
   bool has_call = false;    // the library understood the request
   bool body_is_taken = false;
-  bool wants_body = false;  // not refused by its header; nothing is answered before the body is here
+  bool wants_work = false;  // not answered by its header; nothing is answered before it is shown again
   std::size_t bytes_in = 0, bytes_out = 0;
   bool is_filled = false;      // the answer is ours
   bool is_stream = false;      // and made while it is sent
@@ -79,7 +79,7 @@ class LibraryStream : public httplib::Stream {
 
   ssize_t write(const char* from, size_t size) override {
     const auto taken = static_cast<ssize_t>(size);
-    if (exchange_.wants_body) return taken;
+    if (exchange_.wants_work) return taken;
     if (exchange_.unsent > 0) {
       exchange_.unsent -= std::min<std::uint64_t>(exchange_.unsent, size);
       return taken;
@@ -208,12 +208,23 @@ bool answer_header(Service& service, httplib::Response& response) {
   return true;
 }
 
+/// Whether it is now that a request may take long; else it is shown again.
+bool may_work(bool has_body) {
+  const Incoming& request = current->request;
+  current->wants_work = !request.is_complete() || (!has_body && !request.is_vetted);
+  return !current->wants_work;
+}
+
+void execute(Service& service, httplib::Response& response, const BodySource& body) {
+  try {
+    fill(response, service.execute(current->call, body, [] { return current->connection.peer_is_gone(); }));
+  } catch (const std::exception& exception) {
+    fill_problem(response, exception);
+  }
+}
+
 void read_and_execute(Service& service, httplib::Response& response, const httplib::ContentReader& reader) {
   Exchange& exchange = *current;
-  if (!exchange.request.is_complete()) {
-    exchange.wants_body = true;
-    return;
-  }
   exchange.body_is_taken = true;
   const BodySource body = [&](const std::function<void(std::string_view)>& sink) {
     return reader([&](const char* data, size_t size) {
@@ -222,11 +233,7 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
       return true;
     });
   };
-  try {
-    fill(response, service.execute(exchange.call, body, [&] { return exchange.connection.peer_is_gone(); }));
-  } catch (const std::exception& exception) {
-    fill_problem(response, exception);
-  }
+  execute(service, response, body);
 }
 
 /// What the library refuses by itself has no body yet.
@@ -252,7 +259,7 @@ void finish_headers(httplib::Response& response) {
 }
 
 void log_exchange(const httplib::Request& request, const httplib::Response& response) {
-  if (current->wants_body) return;
+  if (current->wants_work) return;
   const double seconds = std::chrono::duration<double>(Incoming::Clock::now() - current->request.start).count();
   const std::size_t bytes_out = request.method == "HEAD" ? 0 : current->bytes_out;
   log_request({current->id, current->connection.address(), request.method, request.path, response.status, seconds,
@@ -274,8 +281,11 @@ struct HttpServer::Library : httplib::Server {
     });
     for (const char* path : {"/processes/[^/]+/execution", "/uploads"})
       Post(path, [this](const httplib::Request&, httplib::Response& response, const httplib::ContentReader& reader) {
-        read_and_execute(this->service, response, reader);
+        if (may_work(true)) read_and_execute(this->service, response, reader);
       });
+    Get("/jobs/.*", [this](const httplib::Request&, httplib::Response& response) {
+      if (may_work(false)) execute(this->service, response, [](const auto&) { return true; });
+    });
     set_error_handler(HandlerWithResponse([](const httplib::Request&, httplib::Response& response) {
       explain(response);
       return HandlerResponse::Handled;
@@ -303,7 +313,7 @@ struct HttpServer::Library : httplib::Server {
       // Out of memory where the library does not expect it: the connection ends.
     }
     current = nullptr;
-    if (exchange.wants_body) return Front::Verdict::wants_body;
+    if (exchange.wants_work) return Front::Verdict::wants_work;
     return keep ? Front::Verdict::keep : Front::Verdict::close;
   }
 

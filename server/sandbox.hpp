@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 // What a worker process may do: read the system's libraries and data, use one folder of its own, and compute. No network,
@@ -21,6 +22,8 @@ inline constexpr unsigned worker_user = 65534;
 void give_up_root();
 /// True when this kernel can confine a process to folders.
 bool can_confine_files();
+/// The numbers of the system calls that confine() has refused whatever they are asked for.
+std::span<const int> refused_calls();
 /// From here on this process, for good: only `folder`/out is written, only system folders and `folder` are read, no socket is made
 /// and no program started, and the limits hold. Throws Error{internal} when a part of it fails that the kernel has.
 void confine(const std::filesystem::path& folder, const WorkerLimits& limits);

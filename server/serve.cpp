@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -47,21 +48,30 @@ bool finishes_within(int seconds, const std::atomic<bool>& finished) {
   return finished;
 }
 
-/// Waits for a signal, then stops the server: at once for new work, in steps for what is in flight.
-void watch_signals(HttpServer& server, Service& service, const std::atomic<bool>& finished) {
+/// How far the stop is: every request answered; and all jobs handed back.
+struct Progress {
+  std::atomic<bool> finished = false, stopped = false;
+};
+
+/// Whatever holds up the stop, a request, a job or a store that cannot be reached, is left.
+void guard_stop(const Progress& progress) {
+  if (finishes_within(grace_seconds + cancel_seconds, progress.stopped)) return;
+  std::fputs("terrane: requests or jobs in flight did not stop in time; leaving them\n", stderr);
+  std::_Exit(exit_code(ErrorKind::internal));
+}
+
+/// Waits for a signal, then stops the server: at once for new work, in steps for what is in flight. The guard begins then.
+void watch_signals(HttpServer& server, Service& service, const Progress& progress, std::thread& guard) {
   const sigset_t set = stop_signals();
   const timespec step{0, 200'000'000};
   while (sigtimedwait(&set, nullptr, &step) < 0) {
-    if (finished) return;
+    if (progress.finished) return;
   }
-  log_event("info", "stopping");
+  guard = std::thread(guard_stop, std::cref(progress));
+  log_event(LogLevel::info, "stopping");
   service.close();
   server.stop();
-  if (finishes_within(grace_seconds, finished)) return;
-  service.cancel();
-  if (finishes_within(cancel_seconds, finished)) return;
-  std::fputs("terrane: requests in flight did not stop in time; leaving them\n", stderr);
-  std::_Exit(exit_code(ErrorKind::internal));
+  if (!finishes_within(grace_seconds, progress.finished)) service.cancel();
 }
 
 bool is_loopback(const std::string& host) {
@@ -124,6 +134,7 @@ void watch(Metrics& metrics, Service& service) {
 
 int serve(const ServeOptions& options) {
   check_who_comes_in(options);
+  set_log_level(options.log_level);
   Policy policy(options.token_file.empty() ? Tokens() : Tokens::from_file(options.token_file), options.cors_origins);
   // Blocked before any thread exists, so that all inherit it and only the watcher sees the signals.
   const sigset_t signals = stop_signals();
@@ -140,7 +151,7 @@ int serve(const ServeOptions& options) {
   const std::string host = options.host.find(':') == std::string::npos ? options.host : "[" + options.host + "]";
   std::printf("listening on http://%s:%d\n", host.c_str(), port);
   std::fflush(stdout);
-  log_event("info", "start",
+  log_event(LogLevel::info, "start",
             {{"version", TERRANE_VERSION},
              {"host", options.host},
              {"port", port},
@@ -149,13 +160,17 @@ int serve(const ServeOptions& options) {
              {"tokens", !options.token_file.empty()},
              {"workers_confined_to_folders", can_confine_files()}});
 
-  std::atomic<bool> finished = false;
-  std::thread watcher([&] { watch_signals(server, service, finished); });
+  Progress progress;
+  std::thread guard;
+  std::thread watcher([&] { watch_signals(server, service, progress, guard); });
   const bool clean = server.run();
-  finished = true;
+  progress.finished = true;
   watcher.join();
+  service.cancel();
+  progress.stopped = true;
+  if (guard.joinable()) guard.join();
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  log_event(clean ? "info" : "error", "stop", {{"clean", clean}});
+  log_event(clean ? LogLevel::info : LogLevel::error, "stop", {{"clean", clean}});
   if (!clean) throw Error(ErrorKind::internal, "socket-failed", "The listening socket failed.");
   return 0;
 }

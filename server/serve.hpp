@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/request_log.hpp"
+
 // The HTTP door: the operations of the catalogue as OGC API - Processes, executed while the client waits.
 namespace terrane {
 
@@ -27,6 +29,7 @@ struct ServeOptions {
   std::string token_file;
   bool allow_anonymous = false;
   std::vector<std::string> cors_origins = {"*"};
+  LogLevel log_level = LogLevel::info;
 };
 
 /// Listens, prints one line "listening on http://HOST:PORT" on standard output when ready, and returns after SIGTERM or

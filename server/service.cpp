@@ -74,13 +74,13 @@ std::optional<std::string> execution_path(std::string_view path) {
   return std::string(id);
 }
 
+void refuse_path() { throw HttpError(404, "no-such-page", "There is nothing at this path; / lists what there is."); }
+
 std::optional<Reply> Service::answer_header(const Call& call) {
-  if (auto reply = answer_jobs(call)) return reply;
+  if (call.path == "/jobs" || call.path.starts_with("/jobs/")) return answer_jobs(call);
   const auto execution = execution_path(call.path);
   const bool takes_body = execution || call.path == "/uploads";
-  if (!takes_body && !is_resource(call.path)) {
-    throw HttpError(404, "no-such-page", "There is nothing at this path; / lists what there is.");
-  }
+  if (!takes_body && !is_resource(call.path)) refuse_path();
   const std::string allowed = takes_body ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
   if (call.method == "OPTIONS") return Reply{204, "", {{"Allow", allowed}}, ""};
   if (call.method != (takes_body ? "POST" : "GET")) {
@@ -109,9 +109,6 @@ Reply Service::resource(const Call& call, const std::string& path) {
 
 /// Refuses what can be refused before a byte of the body is read.
 void Service::check_body_header(const Call& call) const {
-  if (call.ambiguous_length) {
-    throw HttpError(400, "ambiguous-length", "The length of the body is said twice.");
-  }
   const bool chunked = call.transfer_encoding == "chunked";
   if (!call.transfer_encoding.empty() && !chunked) {
     throw HttpError(400, "unknown-transfer-coding", "The only transfer coding understood is chunked.");

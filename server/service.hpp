@@ -40,10 +40,10 @@ class Service {
   Service(const ServiceLimits& limits, const ServicePlace& place);
 
   /// The answer to everything that is decided before a body is read: resources, wrong paths and methods, a body that is
-  /// refused by its header. Nothing for a request whose body is wanted: then `execute` answers it.
+  /// refused by its header. Nothing for a request that takes work: then `execute` answers it.
   std::optional<Reply> answer_header(const Call& call);
 
-  /// Reads the body, works, answers. `client_is_gone` is asked now and then; when true the work is given up.
+  /// Reads the body if there is one, works, answers. `client_is_gone` is asked now and then; when true the work is given up.
   Reply execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone);
 
   /// Executions at work, and waiting.
@@ -78,7 +78,8 @@ class Service {
   Reply job_list(const Call& call);
   Reply job_page(const Call& call, const std::string& id);
   Reply job_results(const Call& call, const std::string& id);
-  Reply job_output(const Call& call, const std::string& id, const std::string& output);
+  std::optional<Reply> job_output(const Call& call, const std::string& id, const std::string& output);
+  Reply converted_output(const Call& call, const std::function<bool()>& client_is_gone);
   Reply job_events(const Call& call, const std::string& id);
   Reply dismiss_job(const Call& call, const std::string& id);
   std::optional<Reply> answer_jobs(const Call& call);
@@ -101,6 +102,8 @@ std::optional<std::string> execution_path(std::string_view path);
 
 /// "http://host" as the client addressed us, so that links work from where it stands; empty when the host is odd.
 std::string base_url(const Call& call);
+
+[[noreturn]] void refuse_path();
 
 /// What a finished execution is answered with: `out` is the folder of its outputs.
 Reply reply_of(const nlohmann::json& outcome, const std::filesystem::path& out);

@@ -61,6 +61,11 @@ bool read_truth(const std::string& text) {
   throw Misfit{"true or false"};
 }
 
+LogLevel read_level(const std::string& text) {
+  if (const auto level = log_level(text)) return *level;
+  throw Misfit{"info, warning or error"};
+}
+
 std::vector<std::string> read_list(const std::string& text) {
   std::vector<std::string> list;
   if (text == "none") return list;
@@ -91,6 +96,7 @@ void set(ServeOptions& options, const Setting& setting, const std::string& text,
           if constexpr (std::is_same_v<Value, std::size_t>) value = read_size(text, setting);
           if constexpr (std::is_same_v<Value, bool>) value = read_truth(text);
           if constexpr (std::is_same_v<Value, std::vector<std::string>>) value = read_list(text);
+          if constexpr (std::is_same_v<Value, LogLevel>) value = read_level(text);
         },
         setting.member);
   } catch (const Misfit& misfit) {
@@ -181,6 +187,8 @@ const std::vector<Setting>& settings() {
        "Listens beyond this machine without tokens: whoever reaches the port may use it."},
       {"cors-origins", &O::cors_origins, "LIST", 0, 0,
        "The origins whose pages may use the service, with commas between; * for all, `none` for none."},
+      {"log-level", &O::log_level, "LEVEL", 0, 0,
+       "How grave what is logged is at least: info (every request), warning or error."},
   };
   return all;
 }
@@ -202,6 +210,7 @@ std::string default_text(const Setting& setting) {
         if constexpr (std::is_same_v<Value, std::size_t>) return size_text(value);
         if constexpr (std::is_same_v<Value, bool>) return value ? "true" : "false";
         if constexpr (std::is_same_v<Value, std::vector<std::string>>) return joined(value);
+        if constexpr (std::is_same_v<Value, LogLevel>) return std::string(word(value));
       },
       setting.member);
 }

@@ -17,7 +17,7 @@ namespace terrane {
 
 struct Setting {
   using Member = std::variant<std::string ServeOptions::*, int ServeOptions::*, std::size_t ServeOptions::*,
-                              bool ServeOptions::*, std::vector<std::string> ServeOptions::*>;
+                              bool ServeOptions::*, std::vector<std::string> ServeOptions::*, LogLevel ServeOptions::*>;
 
   std::string_view name;         // "max-body": --max-body, TERRANE_MAX_BODY, "max-body" in the file
   Member member;                 // its type is how the text is read; its default is the struct's

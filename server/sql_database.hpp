@@ -33,7 +33,7 @@ class SqlDatabase {
                                   Durability durability = Durability::now) = 0;
 };
 
-inline constexpr int job_schema_version = 1;
+inline constexpr int job_schema_version = 2;
 
 /// The statements that make the table terrane_jobs, whose column `number`, the place in the line, is declared so.
 std::string job_schema(std::string_view number);

@@ -85,11 +85,17 @@ void require_plain(const nlohmann::json& outcome) {
     const auto& line = text.get_ref<const std::string&>();
     return std::none_of(line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; });
   };
+  const auto is_hash = [](const nlohmann::json& text) {
+    const auto& digits = text.get_ref<const std::string&>();
+    return digits.find_first_not_of("0123456789abcdef") == std::string::npos;
+  };
   const nlohmann::json& reply = outcome.at("reply");
   bool plain = is_name(reply.at("file")) && is_line(reply.at("media_type"));
   for (const auto& header : reply.at("headers")) plain = plain && is_line(header.at(0)) && is_line(header.at(1));
+  if (reply.contains("sha256")) plain = plain && is_hash(reply["sha256"]);
   for (const auto& output : outcome.at("outputs"))
-    plain = plain && is_name(output.at("file")) && is_line(output.at("media_type")) && is_line(output.at("file_name"));
+    plain = plain && is_name(output.at("file")) && is_line(output.at("media_type")) &&
+            is_line(output.at("file_name")) && is_hash(output.at("sha256"));
   const int status = reply.at("status");
   if (!plain || (status != 200 && status != 204))
     throw Error(ErrorKind::internal, "worker-lied", "a worker described a result that cannot be");

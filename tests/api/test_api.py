@@ -9,21 +9,15 @@ import subprocess
 import tempfile
 import unittest
 
-from service import TERRANE, File, Service, in_background
+from one_service import Problems, for_module
+from service import TERRANE, File, in_background
 from terrains import UTM, ascii_grid, plan_area, read_obj, square_obj, square_tin
 
 WEST = square_obj(0, 0, 100, 10)
 EAST = square_obj(60, 0, 100, 20)
 
 
-def setUpModule():
-    global service
-    service = Service()
-
-
-def tearDownModule():
-    code = service.close()
-    assert code == 0, f"exit code {code} after SIGTERM"
+setUpModule, tearDownModule = for_module(globals())
 
 
 def query(**parameters):
@@ -110,7 +104,7 @@ class Resources(unittest.TestCase):
         self.assertEqual((mine[0]["method"], mine[0]["path"], mine[0]["status"]), ("GET", "/health", 200))
 
 
-class Executions(unittest.TestCase):
+class Executions(Problems):
     def merged(self, *parts):
         return service.post_form("merge", [("tiles", part) for part in parts], MERGE_QUERY)
 
@@ -367,8 +361,7 @@ class Executions(unittest.TestCase):
                                          ("rasterize", [square, ("cell-size", "0.0001")], 413),
                                          ("rasterize", [square, ("like", File("w.obj", WEST))], 422)):
             answer = service.post_form(operation, parts, "?assume-crs=EPSG:25831")
-            self.assertEqual(answer.status, status, (operation, answer.body))
-            self.assertEqual(answer.media_type, "application/problem+json")
+            self.assert_problem(answer, status)
 
     def test_the_media_type_or_the_name_or_the_magic_tells_the_format(self):
         for part in (File("x", WEST, "model/obj"), File("west.obj", WEST), File("x", WEST)):

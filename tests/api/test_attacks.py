@@ -11,6 +11,7 @@ import time
 import unittest
 import zlib
 
+from one_service import OneService
 from service import Service, form
 
 FULL = os.environ.get("TERRANE_ATTACKS") == "full"
@@ -39,18 +40,15 @@ def told(*words):
         print(*words, file=sys.stderr, flush=True)
 
 
-class Attacks(unittest.TestCase):
+class Attacks(OneService):
+    arguments = "--max-body", str(LIMIT)
+
     @classmethod
     def setUpClass(cls):
-        cls.service = Service("--max-body", str(LIMIT))
+        super().setUpClass()
         for _ in range(20):
             cls.service.get("/openapi.json")
         cls.rest = memory(cls.service.process, "VmRSS")
-
-    @classmethod
-    def tearDownClass(cls):
-        code = cls.service.close()
-        assert code == 0, f"exit code {code} after SIGTERM"
 
     def tearDown(self):
         self.assertEqual(self.service.get("/health").status, 200, "the service lives on")

@@ -3,41 +3,22 @@
 import json
 import unittest
 
-from service import File, Service
+from one_service import Problems, for_module
+from service import File
 from terrains import UTM, obj, plan_area, square_obj, square_tin, tin
 
 CRS = "?assume-crs=EPSG:25831"
 
 
-def setUpModule():
-    global service
-    service = Service()
+setUpModule, tearDownModule = for_module(globals())
 
 
-def tearDownModule():
-    code = service.close()
-    assert code == 0, f"exit code {code} after SIGTERM"
-
-
-class Problems(unittest.TestCase):
-    def assert_problem(self, answer, status, *words):
-        self.assertEqual(answer.status, status, answer.body)
-        self.assertEqual(answer.media_type, "application/problem+json", answer.body)
-        problem = answer.json()
-        self.assertEqual(problem["status"], status)
-        for member in "type", "title", "detail":
-            self.assertTrue(problem[member], problem)
-        for word in words:
-            self.assertIn(word, problem["detail"])
-        for inside in "json.exception", "GDAL", "CGAL", "std::", "terrane::":
-            self.assertNotIn(inside, problem["detail"])
-        self.assertIn("X-Request-Id", answer.headers)
-
+class BadInput(Problems):
     def info_of(self, file, operation="merge", slot="tiles"):
         return service.post_form(operation, [(slot, file)], CRS)
 
 
-class InputData(Problems):
+class InputData(BadInput):
     def test_numbers_that_are_none(self):
         for word in "nan", "inf", "-inf", "1e400", "x":
             text = f"v 0 0 0\nv 10 0 {word}\nv 0 10 0\nf 1 2 3\n"
@@ -144,7 +125,7 @@ class InputData(Problems):
         self.assert_problem(unknown, 400)
 
 
-class Requests(Problems):
+class Requests(BadInput):
     garbage = File("garbage.obj", b"\xff\xfe no surface at all")
 
     def test_an_unknown_operation(self):

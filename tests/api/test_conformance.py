@@ -288,6 +288,10 @@ class JobList(Conformance):
         self.assertTrue(all(d >= 1 for d in durations("minDuration=1")))
         self.assertTrue(all(d <= 1 for d in durations("maxDuration=1")))
         self.assertTrue(all(1 <= d <= 60 for d in durations("minDuration=1&maxDuration=60")))
+        # They are lists: every bound holds.
+        for several in "minDuration=0,1", "minDuration=1&minDuration=0":
+            self.assertEqual(durations(several), durations("minDuration=1"))
+        self.assertEqual(durations("maxDuration=1,60"), durations("maxDuration=1"))
 
     def test_limit_definition(self):
         schema = self.parameter("limit")

@@ -4,7 +4,8 @@ import socket
 import time
 import unittest
 
-from service import File, Service, form, in_background
+from one_service import OneService
+from service import File, form, in_background
 from terrains import hills, square_obj
 
 HEALTH = b"GET /health HTTP/1.1\r\nHost: x\r\n\r\n"
@@ -63,17 +64,14 @@ def merge_request(*headers, size=0, chunked=False, piece=1000):
     return head.encode(), body
 
 
-class Connections(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.service = Service("--max-body", str(LIMIT))
-        head, body = merge_request("Connection: close")
-        cls.merged = cls.service.raw(head + body).split(b"\r\n\r\n", 1)[1]
+class Connections(OneService):
+    arguments = "--max-body", str(LIMIT)
 
     @classmethod
-    def tearDownClass(cls):
-        code = cls.service.close()
-        assert code == 0, f"exit code {code} after SIGTERM"
+    def setUpClass(cls):
+        super().setUpClass()
+        head, body = merge_request("Connection: close")
+        cls.merged = cls.service.raw(head + body).split(b"\r\n\r\n", 1)[1]
 
     def talk(self):
         return Talk(self.service)

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Limits counted while reading, a bounded number of executions, one owner of a port, and a clean stop."""
-import os
 import signal
+import socket
 import subprocess
 import time
 import unittest
 import zlib
 
+from one_service import OneService, Problems
 from service import TERRANE, File, Service, form, in_background
 from terrains import hills, square_obj
 
@@ -23,15 +24,8 @@ def resident_bytes(process):
     raise AssertionError("no VmHWM")
 
 
-class Bodies(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.service = Service("--max-body", str(LIMIT))
-
-    @classmethod
-    def tearDownClass(cls):
-        code = cls.service.close()
-        assert code == 0, f"exit code {code} after SIGTERM"
+class Bodies(OneService):
+    arguments = "--max-body", str(LIMIT)
 
     def tearDown(self):
         self.assertEqual(self.service.get("/health").status, 200, "the service lives on")
@@ -126,7 +120,7 @@ class Bodies(unittest.TestCase):
         self.assertLess(len(answer.body), 100_000)
 
 
-class Executions(unittest.TestCase):
+class Executions(Problems):
     """One at work, two waiting."""
 
     def setUp(self):
@@ -136,10 +130,18 @@ class Executions(unittest.TestCase):
     def tearDown(self):
         self.service.close(signal.SIGKILL)
 
-    def triangulate(self):
+    def triangulate(self, max_error=1):
         kind, body = self.slow
-        return self.service.request("POST", "/processes/triangulate/execution" + CRS + "&f=obj&max-error=1", body,
+        return self.service.request("POST", f"/processes/triangulate/execution{CRS}&f=obj&max-error={max_error}", body,
                                     {"Content-Type": kind}, timeout=300)
+
+    def result(self):
+        """The path of a result that is there."""
+        job = self.service.post_form("merge", [("tiles", File("a.obj", square_obj(0, 0, 1, 1)))], CRS,
+                                     {"Prefer": "respond-async"}).json()["jobID"]
+        while self.service.get("/jobs/" + job).json()["status"] != "successful":
+            time.sleep(0.05)
+        return f"/jobs/{job}/results/surface"
 
     def wait_until_ready_is(self, status):
         for _ in range(600):
@@ -155,13 +157,44 @@ class Executions(unittest.TestCase):
         self.assertEqual(self.service.get("/health").status, 200)
         self.assertLess(time.monotonic() - started, 2)
         refused = self.service.post_form("merge", [("tiles", File("a.obj", square_obj(0, 0, 1, 1)))], CRS)
-        self.assertEqual(refused.status, 503, refused.body)
-        self.assertEqual(refused.media_type, "application/problem+json")
+        self.assert_problem(refused, 503)
         self.assertTrue(refused.headers["Retry-After"].isdigit())
         answers = [wait() for wait in waiting]
         self.assertEqual([a.status for a in answers], [200, 200, 200])
         self.assertEqual(len({a.body for a in answers}), 1, "the same bytes")
         self.wait_until_ready_is(200)
+
+    def test_a_result_in_another_format_is_work_as_any_other(self):
+        path = self.result() + "?f=ply"
+        self.assertEqual(self.service.get(path).status, 200)
+        waiting = [in_background(self.triangulate) for _ in range(3)]
+        self.wait_until_ready_is(503)
+        for method in "GET", "HEAD":
+            refused = self.service.request(method, path)
+            self.assertEqual(refused.status, 503, method)
+            self.assertTrue(refused.headers["Retry-After"].isdigit())
+        self.assertEqual([wait().status for wait in waiting], [200, 200, 200])
+        head = self.service.request("HEAD", path)
+        self.assertEqual((head.status, head.headers["Content-Length"]),
+                         (200, str(len(self.service.get(path).body))))
+
+    def test_whoever_leaves_the_line_makes_room(self):
+        path = self.result() + "?f=ply"
+        working = in_background(lambda: self.triangulate(0.0001))
+        for _ in range(600):
+            if 'terrane_executions{state="running"} 1' in self.service.get("/metrics").body.decode():
+                break
+            time.sleep(0.05)
+        request = f"GET {path} HTTP/1.1\r\nHost: x\r\n\r\n".encode()
+        clients = [socket.create_connection((self.service.host, self.service.port)) for _ in range(2)]
+        for client in clients:
+            client.sendall(request)
+        self.wait_until_ready_is(503)
+        for client in clients:
+            client.close()
+        self.wait_until_ready_is(200)
+        self.assertIn('terrane_executions{state="running"} 1', self.service.get("/metrics").body.decode())
+        working()
 
     def test_requests_in_flight_are_finished_or_told_at_a_stop(self):
         waiting = in_background(self.triangulate)

@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 
+from one_service import Problems, close, for_module
 from service import TERRANE, File, Service, form, free_port
 from terrains import hills, square_obj
 
@@ -18,14 +19,7 @@ CRS = "?assume-crs=EPSG:25831"
 ALL = "/processes"
 
 
-def setUpModule():
-    global service
-    service = Service()
-
-
-def tearDownModule():
-    code = service.close()
-    assert code == 0, f"exit code {code} after SIGTERM"
+setUpModule, tearDownModule = for_module(globals())
 
 
 def unzstd(packed):
@@ -41,7 +35,7 @@ def refusal(arguments, environment=None):
     return run.returncode, run.stderr.decode()
 
 
-class Conditions(unittest.TestCase):
+class Conditions(Problems):
     def test_what_the_client_has_is_not_sent_again(self):
         whole = service.get(ALL)
         self.assertRegex(whole.headers["ETag"], '^"[0-9a-f]{32}"$')
@@ -75,8 +69,7 @@ class Conditions(unittest.TestCase):
         size = len(service.get(ALL).body)
         for text in f"{size}-", "0-1,3-4", "-0", ",".join(["0-"] * 10):
             answer = service.get(ALL, Range="bytes=" + text)
-            self.assertEqual(answer.status, 416, text)
-            self.assertEqual(answer.media_type, "application/problem+json")
+            self.assert_problem(answer, 416)
             self.assertEqual(answer.headers["Content-Range"], f"bytes */{size}")
 
 
@@ -166,6 +159,15 @@ class Files(unittest.TestCase):
         self.assertEqual(len(tags), 3)
         self.assertEqual(service.get(self.path, If_None_Match=self.whole.headers["ETag"]).status, 304)
 
+    def test_all_results_are_known_again_too(self):
+        path = self.path.rsplit("/", 1)[0]
+        whole = service.get(path)
+        self.assertEqual((whole.body, whole.headers["ETag"]), (self.whole.body, self.whole.headers["ETag"]))
+        self.assertEqual(service.get(path, If_None_Match=whole.headers["ETag"]).status, 304)
+        converted = service.get(self.path + "?f=ply")
+        self.assertGreater(len(converted.body), 2**18)
+        self.assertEqual(service.get(self.path + "?f=ply", If_None_Match=converted.headers["ETag"]).status, 304)
+
     def test_old_clients_get_a_length(self):
         answer = service.raw(f"GET {self.path} HTTP/1.0\r\nAccept-Encoding: gzip\r\n\r\n".encode())
         head, body = answer.split(b"\r\n\r\n", 1)
@@ -208,7 +210,7 @@ class Origins(unittest.TestCase):
             self.assertEqual(listed.close(), 0)
 
 
-class Tokens(unittest.TestCase):
+class Tokens(Problems):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -216,17 +218,14 @@ class Tokens(unittest.TestCase):
         with open(cls.file, "w", encoding="utf-8") as file:
             file.write("# who may come in\nfirst-token the mapping team\nsecond-token\n")
         cls.closed = Service("--token-file", cls.file)
-
-    @classmethod
-    def tearDownClass(cls):
-        assert cls.closed.close() == 0
-        cls.folder.cleanup()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.addClassCleanup(close, cls.closed)
 
     def test_nothing_without_one(self):
         for path in "/", ALL, "/metrics", "/nothing", "/openapi.json":
             for headers in {}, {"Authorization": "Bearer wrong"}, {"Authorization": "Basic Zmlyc3QtdG9rZW4="}:
                 answer = self.closed.request("GET", path, headers=headers)
-                self.assertEqual((answer.status, answer.media_type), (401, "application/problem+json"), path)
+                self.assert_problem(answer, 401)
                 self.assertTrue(answer.headers["WWW-Authenticate"].startswith("Bearer "))
                 self.assertEqual(answer.headers["Access-Control-Allow-Origin"], "*", "so that a page sees why")
         refused = self.closed.post_form("merge", [("tiles", File("a.obj", square_obj(0, 0, 1, 1)))], CRS)
@@ -382,6 +381,18 @@ class Logs(unittest.TestCase):
         self.assertEqual(lines[0]["host"], "127.0.0.1")
         self.assertTrue(lines[2]["clean"])
         self.assertTrue(all(line["time"].endswith("Z") for line in lines))
+
+    def test_only_what_is_grave_enough(self):
+        for level, wanted in ("info", [200, 404, 503]), ("warning", [503]), ("error", []):
+            service = Service("--log-level", level, "--max-jobs", "0")
+            answers = [service.get("/health"), service.get("/nothing"), service.post_json(
+                "echo", {"inputs": {"answer": "x"}}, headers={"Prefer": "respond-async"})]
+            self.assertEqual([answer.status for answer in answers], [200, 404, 503])
+            self.assertEqual(service.stop(), 0)
+            lines = [json.loads(line) for line in service.log_text().splitlines()]
+            service.close()
+            self.assertEqual([line["status"] for line in lines if "status" in line], wanted)
+            self.assertLessEqual({line["level"] for line in lines}, {level, "warning", "error"})
 
 
 if __name__ == "__main__":

@@ -6,20 +6,14 @@ import time
 import unittest
 import zipfile
 
-from service import File, Service
+from one_service import for_module
+from service import File
 from terrains import square_obj
 
 CRS = "?assume-crs=EPSG:25831"
 
 
-def setUpModule():
-    global service
-    service = Service()
-
-
-def tearDownModule():
-    code = service.close()
-    assert code == 0, f"exit code {code} after SIGTERM"
+setUpModule, tearDownModule = for_module(globals())
 
 
 def drawing(entities, blocks=""):

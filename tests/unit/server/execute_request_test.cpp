@@ -67,6 +67,15 @@ TEST(ExecuteRequest, JsonInputsOfEveryKind) {
             (Pairs{{"overlap", "max"}, {"z-tolerance", "0.10"}, {"levels", "1,2.50,x"}, {"flag", "true"}}));
 }
 
+TEST(ExecuteRequest, AReferenceMayHaveAFormatAsAValueHas) {
+  const Ask ask = ask_from_json(merge(), R"({"inputs": {"tiles": [
+    {"href": "/uploads/1", "type": "model/obj", "rel": "data"},
+    {"href": "/uploads/2", "format": {"mediaType": "model/obj", "encoding": "utf-8", "schema": "x"}}]}})");
+  ASSERT_EQ(ask.request.inputs.size(), 2u);
+  EXPECT_EQ(ask.request.inputs[1].href, "/uploads/2");
+  for (const auto& input : ask.request.inputs) EXPECT_EQ(input.media_type, "model/obj");
+}
+
 TEST(ExecuteRequest, TheOutputsFormatIsWhatIsAccepted) {
   std::string name;
   const nlohmann::json description = process_description(merge());
@@ -88,6 +97,7 @@ TEST(ExecuteRequest, WhatIsNotUnderstoodIsRefused) {
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": nan}}"), "invalid-json");
   EXPECT_EQ(code_of("{\"inputs\": {\"overlap\": null}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\"}}}"), "");
+  EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\", \"formats\": {}}}}"), "unknown-member");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"=\", \"encoding\": \"base64\"}}}"), "bad-base64");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": 1, \"encoding\": \"base64\"}}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"a\", \"encoding\": \"rot13\"}}}"), "bad-encoding");

@@ -95,7 +95,7 @@ TEST(Front, ShowsARequestTwiceWhenItsBodyIsToCome) {
     if (request.head.target == "/no") {
       connection.write("no");
     } else if (!request.is_complete()) {
-      return Front::Verdict::wants_body;
+      return Front::Verdict::wants_work;
     } else {
       std::string body(static_cast<std::size_t>(request.body.size()), '\0');
       request.body.read(0, body.data(), body.size());

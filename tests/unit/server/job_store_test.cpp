@@ -263,8 +263,8 @@ TEST_P(Stores, JobsOfLostServersAreRecovered) {
   store->progress("a", "lost", 70, "working", 12);
   store->heartbeat("lost", 20);
   other->heartbeat("alive", 30);
-  EXPECT_TRUE(other->recover(20, 2, "gave up", {}, 40, 90).empty());  // said so at 20, not before
-  auto recovered = other->recover(21, 2, "gave up", {}, 40, 90);
+  EXPECT_TRUE(other->recover("alive", 20, 2, "gave up", {}, 40, 90).empty());  // said so at 20, not before
+  auto recovered = other->recover("alive", 21, 2, "gave up", {}, 40, 90);
   std::sort(recovered.begin(), recovered.end(), [](const Job& a, const Job& b) { return a.id < b.id; });
   EXPECT_EQ(ids(recovered), (Ids{"a", "c"}));
   EXPECT_EQ(recovered[0].status, JobStatus::accepted);
@@ -274,12 +274,12 @@ TEST_P(Stores, JobsOfLostServersAreRecovered) {
   EXPECT_EQ(recovered[0].updated, 40);
   EXPECT_FALSE(recovered[0].started || recovered[0].finished || recovered[0].expires);
   EXPECT_TRUE(recovered[0].outcome.is_null());
-  EXPECT_TRUE(store->recover(21, 2, "gave up", {}, 41, 90).empty());
+  EXPECT_TRUE(store->recover("", 21, 2, "gave up", {}, 41, 90).empty());
   EXPECT_FALSE(store->finish("a", "lost", JobStatus::successful, "late", {}, 42, 90));
   EXPECT_TRUE(other->finish("b", "alive", JobStatus::successful, "", {}, 42, 90));
   EXPECT_EQ(store->take("lost", 43)->id, "a");
   EXPECT_EQ(store->find("a")->attempts, 2);
-  recovered = other->recover(100, 2, "gave up", {{"title", "lost"}}, 44, 90);
+  recovered = other->recover("alive", 100, 2, "gave up", {{"title", "lost"}}, 44, 90);
   ASSERT_EQ(ids(recovered), (Ids{"a"}));
   EXPECT_EQ(recovered[0].status, JobStatus::failed);
   EXPECT_EQ(recovered[0].message, "gave up");
@@ -287,6 +287,63 @@ TEST_P(Stores, JobsOfLostServersAreRecovered) {
   EXPECT_EQ(recovered[0].finished, 44);
   EXPECT_EQ(recovered[0].expires, 90);
   EXPECT_EQ(other->take("alive", 45)->id, "c");
+}
+
+TEST_P(Stores, WhoRecoversKeepsItsOwn) {
+  const auto store = open();
+  for (const char* id : {"a", "b"}) store->add(job(id));
+  store->take("lost", 1);
+  store->take("me", 2);
+  EXPECT_EQ(ids(store->recover("me", std::numeric_limits<Instant>::max(), 9, "", {}, 3, 4)), (Ids{"a"}));
+  EXPECT_TRUE(store->finish("b", "me", JobStatus::successful, "", {}, 5, 6));
+}
+
+TEST_P(Stores, SubscribersAreToBeToldOfBeginningsAndEnds) {
+  const auto store = open();
+  Job subscribed = job("a", 1);
+  subscribed.subscriber = {{"successUri", "http://example.org/"}};
+  store->add(subscribed);
+  store->add(job("b", 1));
+  EXPECT_FALSE(store->untold(100, 200)) << "nothing has happened";
+  store->take("one", 2);
+  store->take("one", 2);
+  Job untold = store->untold(10, 50).value();
+  EXPECT_EQ(untold.id, "a");
+  EXPECT_EQ(untold.status, JobStatus::running);
+  EXPECT_EQ(untold.tellings, 1);
+  EXPECT_FALSE(open()->untold(49, 99)) << "somebody tells it already";
+  EXPECT_EQ(open()->untold(50, 90)->tellings, 2) << "but has not";
+  // It ends while that is told.
+  for (const char* id : {"a", "b"}) store->finish(id, "one", JobStatus::failed, "", {}, 60, 999);
+  EXPECT_FALSE(store->untold(61, 99));
+  store->told("a", JobStatus::running, 62);
+  untold = store->untold(62, 99).value();
+  EXPECT_EQ(untold.status, JobStatus::failed);
+  EXPECT_EQ(untold.subscriber, subscribed.subscriber);
+  store->tell_again("a", 80);
+  EXPECT_FALSE(store->untold(79, 99));
+  EXPECT_EQ(store->untold(80, 99)->tellings, 4);
+  store->told("a", JobStatus::failed, 81);
+  store->tell_again("a", 82);
+  EXPECT_FALSE(store->untold(1000, 2000)) << "it was told";
+}
+
+TEST_P(Stores, NobodyIsToldOfJobsThatAreBackInTheLineOrDismissed) {
+  const auto store = open();
+  for (const char* id : {"a", "b", "c"}) {
+    Job subscribed = job(id);
+    subscribed.subscriber = {{"successUri", "http://example.org/"}};
+    store->add(subscribed);
+    store->take("one", 1);
+  }
+  store->hand_back("a", "one", 2);
+  store->dismiss("b", 2, 9);
+  store->recover("two", 5, 2, "", {}, 6, 9);
+  EXPECT_FALSE(store->untold(100, 200));
+  for (int i = 0; i < 2; ++i) store->take("one", 7);
+  EXPECT_EQ(store->untold(7, 200)->tellings, 1) << "a new beginning";
+  EXPECT_EQ(store->recover("two", 8, 1, "lost too often", {}, 9, 10).size(), 2u);
+  EXPECT_EQ(store->untold(9, 200)->status, JobStatus::failed);
 }
 
 TEST_P(Stores, OfServersThatRecoverAtOnceEachJobGoesToOne) {
@@ -301,7 +358,7 @@ TEST_P(Stores, OfServersThatRecoverAtOnceEachJobGoesToOne) {
   for (std::size_t i = 0; i < stores.size(); ++i) {
     servers.emplace_back([&, i] {
       for (++ready; ready < 3;) std::this_thread::yield();
-      recovered[i] = ids(stores[i]->recover(100, 3, "", {}, 100, 200));
+      recovered[i] = ids(stores[i]->recover("", 100, 3, "", {}, 100, 200));
     });
   }
   for (auto& server : servers) server.join();

@@ -85,13 +85,15 @@ TEST(Settings, EveryTypeIsRead) {
                                      {"allow-anonymous", "true"},
                                      {"allow-hosts", "a.org, b.org,"},
                                      {"cors-origins", "none"},
-                                     {"data", "/x y"}});
+                                     {"data", "/x y"},
+                                     {"log-level", "warning"}});
   EXPECT_EQ(options.max_body, 1536u);
   EXPECT_EQ(options.job_memory, std::size_t{1} << 30);
   EXPECT_TRUE(options.allow_anonymous);
   EXPECT_EQ(options.allow_hosts, (std::vector<std::string>{"a.org", "b.org"}));
   EXPECT_TRUE(options.cors_origins.empty());
   EXPECT_EQ(options.data, "/x y");
+  EXPECT_EQ(options.log_level, LogLevel::warning);
   const ServeOptions file = from_file(
       "{\"allow-hosts\": [\"a.org\"], // one\n \"allow-anonymous\": true, \"max-body\": 7, \"job-memory\": \"64M\"}");
   EXPECT_EQ(file.allow_hosts, std::vector<std::string>{"a.org"});
@@ -105,6 +107,10 @@ TEST(Settings, ComplaintsSayWhereTheValueStands) {
               read({{"port", "70000"}});
             }),
             "--port is '70000'; it takes a whole number from 0 to 65535.");
+  EXPECT_EQ(complaint([] {
+              read({{"log-level", "loud"}});
+            }),
+            "--log-level is 'loud'; it takes info, warning or error.");
   EXPECT_EQ(complaint([] {
               read({}, {{"TERRANE_MAX_BODY", "0"}});
             }),
