@@ -46,6 +46,15 @@ def hills(count):
     return ascii_grid(count, count, lambda c, r: (c * 7919 + r * 104729 + c * r * 31) % 1009)
 
 
+def lattice_obj(cells, size):
+    """A rough surface of cells x cells squares, two faces each."""
+    places = range(cells + 1)
+    vertices = [(c * size, r * size, (c * 7919 + r * 104729 + c * r * 31) % 1009) for r in places for c in places]
+    corners = [r * (cells + 1) + c for r in range(cells) for c in range(cells)]
+    faces = [f for v in corners for f in ((v, v + 1, v + cells + 2), (v, v + cells + 2, v + cells + 1))]
+    return obj(vertices, faces)
+
+
 def read_obj(text):
     vertices, faces = [], []
     for line in text.decode().splitlines():
