@@ -7,7 +7,7 @@ import time
 import unittest
 
 from service import File, Service
-from terrains import hills, lattice_obj
+from terrains import hills, lattice_ply
 from test_jobs import LONG, submit, wait_for, workers_of
 
 MEGA = 2**20
@@ -45,20 +45,20 @@ class Memory(unittest.TestCase):
 
     def test_what_cannot_fit_is_refused_with_what_it_needs(self):
         cells, (least, most) = 500, self.published["threshold"]
-        faces, parts = 2 * cells**2, [("surface", File("a.obj", lattice_obj(cells, 10)))]
-        status = self.job(parts, "threshold", "?f=ply&crs=local:m&level=500", least * faces // 2)
+        faces, parts = 2 * cells**2, [("surface", File("a.ply", lattice_ply(cells, 10)))]
+        status = self.job(parts, "threshold", "?f=ply&crs=local:m&level=1", 3 * least * faces // 4)
         self.assertEqual(status["status"], "failed")
         self.assertRegex(status["message"], rf"needs at least \d+ MB.* {faces} faces take {least} to {most} bytes each")
         need = int(re.search(r"at least (\d+) MB", status["message"])[1]) * MEGA
         self.assertGreaterEqual(need, self.program + least * faces)
-        self.assertEqual(self.job(parts, "threshold", "?f=ply&crs=local:m&level=500", most * faces + 32 * MEGA)["status"],
+        self.assertEqual(self.job(parts, "threshold", "?f=ply&crs=local:m&level=1", most * faces + 32 * MEGA)["status"],
                          "successful")
 
     def test_what_runs_out_says_what_it_had(self):
         cells, (least, most) = 200, self.published["subtract"]
         faces = 4 * cells**2
-        parts = [("minuend", File("a.obj", lattice_obj(cells, 10))),
-                 ("subtrahend", File("b.obj", lattice_obj(cells, 9.97)))]
+        parts = [("minuend", File("a.ply", lattice_ply(cells, 10))),
+                 ("subtrahend", File("b.ply", lattice_ply(cells, 9.97)))]
         status = self.job(parts, "subtract", "?f=ply&crs=local:m", least * faces + 25 * MEGA)
         self.assertEqual(status["status"], "failed")
         self.assertIn(f"takes {least} to {most} bytes for a face of its inputs: with {faces} faces", status["message"])

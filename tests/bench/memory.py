@@ -188,7 +188,8 @@ def main():
                 case.run(inputs)
         program = runner.bench('memory', 'info', inputs.small)['before'] >> 20
     faults += [fault for case in faces + cells for fault in case.faults()]
-    print('\n'.join(faults), file=sys.stderr)
+    for fault in faults:
+        print(fault, file=sys.stderr)
     if not options.points:
         with open(os.path.join(ROOT, 'docs/memory.md'), 'w', encoding='utf-8') as file:
             file.write(document(program, faces, cells, others))
