@@ -15,7 +15,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 POINTS = (10_000, 50_000, 250_000)
 SLACK = (16 + 8 * os.cpu_count()) * 2**20  # tables of CRSs and buffers; the stacks of threads
 
-# The easiest of everything, and the hungriest of what is usual. a to d: surveys of one place that have no vertex in
+# The easiest of everything, and the hungriest of what is usual. a, b, c: surveys of one place that have no vertex in
 # common; tiles: nine, neighbours overlapping by 5 %; level_a, level_b: binary surfaces; small: a mesh of 2,000 faces.
 LOGIC = ['{level_a} {level_a}', '{level_a} {level_b}']
 FACES = {
@@ -49,7 +49,7 @@ CELLS = {
     'rasterize': ['{small} --width={side} --height={side}', '{small} --width={side} --height={side} --format=asc'],
     'render': ['{small} --size={side} --shading=hillshade', '{small} --size={side}'],
 }
-UNPUBLISHED = [('merge', '{a} {b} {c} {d} --overlap=mean', 'face'), ('convert', '{a} --grid=0.001', 'face'),
+UNPUBLISHED = [('merge', '{a} {b} {c} --overlap=mean', 'face'), ('convert', '{a} --grid=0.001', 'face'),
                ('triangulate', '{dem} --max-error=1e5', 'sample')]
 
 TEXT = '''<!-- Written by `./dev memory`. -->
@@ -70,6 +70,9 @@ Two figures are published. Nothing takes less than the **least**: an execution t
 plans. Between the two it depends on how much the surfaces have in common. What runs out of memory on its way is told how
 much it had taken, and what was to be expected.
 
+Each case below ran in three sizes, on {threads} threads; first stands how much there was in the largest, then the bytes for
+each in the three, the share of the program's tables and stacks included, which is most of it in the smallest.
+
 Not in the published figures: of n surveys on top of each other `merge` keeps every crossing where it averages them, which
 grows with n²; `grid` rounds the faces of the result; a raster itself. They have a table of their own below.
 '''
@@ -89,7 +92,7 @@ class Inputs:
         points = points or self.points
         return self.runner.mesh(f'm{seed}-{points}', '--points', points, '--seed', seed, '--x', x, '--y', y)
 
-    a, b, c, d = (property(lambda self, seed=seed: self.mesh(seed)) for seed in (1, 2, 3, 4))
+    a, b, c = (property(lambda self, seed=seed: self.mesh(seed)) for seed in (1, 2, 3))
     small = property(lambda self: self.mesh(1, 1000))
     tiles = property(lambda self: ' '.join(self.mesh(10 + k, self.points // 9, 9500 * (k % 3), 9500 * (k // 3))
                                            for k in range(9)))
@@ -152,12 +155,13 @@ class Case:
 
 
 def table(cases, what, published=True):
-    head = ['', f'{what}, most', *(['bytes for each'] * len(POINTS)), *(['published'] * published)]
+    head = ['', what, *(['bytes for each'] * len(POINTS)), *(['published'] * published)]
     return ['| ' + ' | '.join(head) + ' |', '|---' * len(head) + '|', *(case.row(published) for case in cases), '']
 
 
 def document(program, faces, cells, others):
-    lines = [TEXT.replace('{program}', str(program)), *(f'- {line}' for line in conditions(ROOT)), '']
+    text = TEXT.replace('{program}', str(program)).replace('{threads}', str(os.cpu_count()))
+    lines = [text, *(f'- {line}' for line in conditions(ROOT)), '']
     lines += ['## Faces', '', 'Of the inputs; of the result where nothing is read.', '', *table(faces, 'faces')]
     lines += ['## Cells', '', *table(cells, 'cells')]
     lines += ['## Not in the published figures', '', *table(others, 'faces or samples', False)]
