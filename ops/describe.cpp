@@ -2,6 +2,9 @@
 #include "ops/describe.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "ops/memory.hpp"
 
 namespace terrane {
 namespace {
@@ -45,6 +48,14 @@ nlohmann::json output_schema(const Operation& operation) {
   }
   if (kinds.size() == 1) return kinds.front();
   return {{"oneOf", kinds}};
+}
+
+/// OGC API - Processes, additionalParameters: what the memory of an execution is reckoned with.
+nlohmann::json memory_json(const MemoryFigures& figures) {
+  nlohmann::json parameters = nlohmann::json::array();
+  for (const auto& [name, each] : {std::pair{"bytes-per-face", figures.face}, std::pair{"bytes-per-cell", figures.cell}})
+    if (each.most > 0) parameters.push_back({{"name", name}, {"value", {{{"least", each.least}, {"most", each.most}}}}});
+  return {{"title", "Memory beside the program and the request"}, {"parameters", parameters}};
 }
 
 }  // namespace
@@ -142,6 +153,8 @@ nlohmann::json process_description(const Operation& operation) {
                         {"schema", parameter_schema(p)}};
   description["inputs"] = inputs;
   description["outputs"] = outputs_json(operation);
+  const MemoryFigures figures = memory_figures(operation.id);
+  if (figures.face.most > 0) description["additionalParameters"] = memory_json(figures);
   return description;
 }
 

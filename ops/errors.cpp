@@ -5,6 +5,8 @@
 #include <new>
 #include <system_error>
 
+#include "ops/memory.hpp"
+
 namespace terrane {
 namespace {
 
@@ -56,8 +58,7 @@ nlohmann::json problem(const Error& error) {
 
 Error as_error(const std::exception& exception) {
   if (const auto* ours = dynamic_cast<const Error*>(&exception)) return *ours;
-  if (dynamic_cast<const std::bad_alloc*>(&exception))
-    return {ErrorKind::limit, "out-of-memory", "the work needs more memory than there is; use fewer or smaller inputs"};
+  if (dynamic_cast<const std::bad_alloc*>(&exception)) return out_of_memory();
   if (const auto* system = dynamic_cast<const std::system_error*>(&exception))
     if (system->code() == std::errc::no_space_on_device || system->code().value() == EDQUOT)
       return {ErrorKind::storage_full, "storage-full", "There is no room left for this; send it again when there is."};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <new>
 #include <utility>
 
 #include "core/error.hpp"
@@ -12,6 +13,7 @@
 #include "ops/grid.hpp"
 #include "ops/heights.hpp"
 #include "ops/input_format.hpp"
+#include "ops/memory.hpp"
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
 #include "ops/provenance.hpp"
@@ -246,13 +248,11 @@ Response execute_plain(const Plan& plan, Context& context, const Body& body) {
   return response;
 }
 
-}  // namespace
-
-Response execute(const Plan& plan, Context& context, const Body& body) {
-  if (plan.operation->run_plain) return execute_plain(plan, context, body);
-  use_threads(plan, context);
+Response execute_on_surfaces(const Plan& plan, MemoryNeed& need, Context& context, const Body& body) {
   std::vector<Surface> surfaces = decode_all(plan, context);
+  need.count(surfaces);
   const Frame frame = common_frame(surfaces, plan, context);
+  need.count(surfaces);  // rasters have faces now
   Outcome outcome =
       plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context), frame.crs}, context);
 
@@ -296,6 +296,19 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
   response.warnings = context.warnings;
   context.progress("write", 1);
   return response;
+}
+
+}  // namespace
+
+Response execute(const Plan& plan, Context& context, const Body& body) {
+  if (plan.operation->run_plain) return execute_plain(plan, context, body);
+  use_threads(plan, context);
+  MemoryNeed need(*plan.operation);
+  try {
+    return execute_on_surfaces(plan, need, context, body);
+  } catch (const std::bad_alloc&) {
+    throw need.exceeded();
+  }
 }
 
 }  // namespace terrane

@@ -10,6 +10,7 @@
 #include "core/validate.hpp"
 #include "ops/grid.hpp"
 #include "ops/inputs.hpp"
+#include "ops/memory.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
 
@@ -171,6 +172,8 @@ Outcome run(std::vector<Surface>& inputs, const RasterizeParameters& p, Context&
   const Surface& surface = input(inputs, "surface");
   const Surface* like = find_input(inputs, "like");
   const Raster& cells = like ? std::get<Raster>(like->value) : lattice_for(surface, p, context);
+  const std::uint64_t count = static_cast<std::uint64_t>(cells.width) * static_cast<std::uint64_t>(cells.height);
+  require_memory(address_space().now, count, "cells", memory_figures("rasterize").cell);
   Raster raster = heights_at(surface, cells, context);
   const auto voids =
       std::count_if(raster.samples.begin(), raster.samples.end(), [](double z) { return std::isnan(z); });

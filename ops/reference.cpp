@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "ops/describe.hpp"
+#include "ops/memory.hpp"
 
 // docs/reference.md, made from the catalogue.
 namespace terrane {
@@ -94,6 +95,17 @@ std::string example(const Operation& operation) {
   return "```sh test\n" + example_command(operation, "http://localhost:8080") + "\n```\n\n";
 }
 
+std::string memory(const Operation& operation) {
+  const auto range = [](const MemoryUse& each) {
+    return std::to_string(each.least) + " to " + std::to_string(each.most) + " bytes for each ";
+  };
+  const auto [face, cell] = memory_figures(operation.id);
+  if (face.most == 0) return "";
+  std::string text = "[Memory](memory.md): " + range(face) + "face of its " + (operation.inputs.empty() ? "result" : "inputs");
+  if (cell.most > 0) text += ", and " + range(cell) + "cell of its result";
+  return text + ".\n\n";
+}
+
 std::string section(const Operation& operation) {
   std::string text = "## " + operation.id + "\n\n" + operation.title + ". " + operation.description + "\n\n```\n" +
                      usage(operation) + "\n```\n\n| input | | |\n|---|---|---|\n";
@@ -104,7 +116,7 @@ std::string section(const Operation& operation) {
   text += "Returns";
   for (std::size_t i = 0; i < operation.output_formats.size(); ++i)
     text += (i ? ", `" : " `") + operation.output_formats[i] + "`";
-  return text + " (the first unless asked otherwise).\n\n" + example(operation);
+  return text + " (the first unless asked otherwise).\n\n" + memory(operation) + example(operation);
 }
 
 std::string format_table() {

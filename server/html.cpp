@@ -146,6 +146,16 @@ std::string process_list_html(const Json& list) {
   return text + "<h2>Links</h2>\n" + links_html(list.at("links"));
 }
 
+/// What a description says beside the standard's own members: names and values.
+std::string additional_html(const Json& description) {
+  if (!description.contains("additionalParameters")) return "";
+  const Json& additional = description["additionalParameters"];
+  std::string rows;
+  for (const Json& parameter : additional.at("parameters"))
+    rows += "<tr><th>" + escaped(member(parameter, "name")) + "</th>" + cell(parameter.at("value").dump()) + "</tr>\n";
+  return "<h2>" + escaped(member(additional, "title")) + "</h2>\n<table>\n" + rows + "</table>\n";
+}
+
 std::string process_html(const Json& description, const std::string& example) {
   std::string inputs, outputs;
   for (const auto& [name, input] : description.at("inputs").items())
@@ -159,8 +169,8 @@ std::string process_html(const Json& description, const std::string& example) {
          "</p>\n" + summary_facts(description) + "<pre>" + escaped(example) +
          "</pre>\n<h2>Inputs</h2>\n<table>\n<tr><th></th><th>how "
          "often</th><th>takes</th><th>default</th><th></th></tr>\n" +
-         inputs + "</table>\n<h2>Outputs</h2>\n<table>\n" + outputs + "</table>\n<h2>Links</h2>\n" +
-         links_html(description.at("links"));
+         inputs + "</table>\n<h2>Outputs</h2>\n<table>\n" + outputs + "</table>\n" + additional_html(description) +
+         "<h2>Links</h2>\n" + links_html(description.at("links"));
 }
 
 std::string job_list_html(const Json& job_list) {

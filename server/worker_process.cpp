@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <malloc.h>
 #include <map>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -16,7 +18,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <new>
 
 #include "core/error.hpp"
 #include "io/geodesy.hpp"
@@ -93,12 +94,6 @@ nlohmann::json work(const nlohmann::json& order, WorkerChannel& channel) {
   WorkerChannel channel(assignment.channel);
   try {
     channel.send({{"done", work(assignment.order, channel)}});
-  } catch (const std::bad_alloc&) {
-    const std::uint64_t megabytes = assignment.order.at("memory").get<std::uint64_t>() >> 20;
-    channel.send({{"failure", failure_message(Error(
-                                  ErrorKind::limit, "out-of-memory",
-                                  "The work needs more than the " + std::to_string(megabytes) +
-                                      " MB that one execution may take (--job-memory); use fewer or smaller inputs."))}});
   } catch (const std::exception& exception) {
     channel.send({{"failure", failure_message(exception)}});
   }
@@ -153,10 +148,12 @@ class Maker {
     while (read(ended_, &info, sizeof info) > 0) {
     }
     int status = 0;
-    for (pid_t child; (child = waitpid(-1, &status, WNOHANG)) > 0;) {
+    rusage used;
+    for (pid_t child; (child = wait4(-1, &status, WNOHANG, &used)) > 0;) {
       const auto found = channels_.find(child);
       if (found == channels_.end()) continue;
-      if (WIFSIGNALED(status)) WorkerChannel(found->second).send({{"signal", WTERMSIG(status)}});
+      if (WIFSIGNALED(status))
+        WorkerChannel(found->second).send({{"signal", WTERMSIG(status)}, {"peak_kb", used.ru_maxrss}});
       close(found->second);
       channels_.erase(found);
     }
@@ -174,6 +171,8 @@ int make_workers(int socket) {
   std::signal(SIGINT, SIG_IGN);  // ^C on a terminal is for the service, which ends us
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);  // a service that is gone
+  // An arena of each thread would take 64 MB of the address space that an execution may have, used or not.
+  mallopt(M_ARENA_MAX, 1);
   give_up_root();
   load_geodesy();
   Maker(socket).run();

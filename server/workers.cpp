@@ -101,7 +101,7 @@ void require_plain(const nlohmann::json& outcome) {
     throw Error(ErrorKind::internal, "worker-lied", "a worker described a result that cannot be");
 }
 
-[[noreturn]] void throw_death(int signal, const WorkerLimits& limits) {
+[[noreturn]] void throw_death(int signal, long peak_kb, const WorkerLimits& limits) {
   if (signal == SIGXCPU)
     throw Error(ErrorKind::limit, "too-slow",
                 "The work took more than " + std::to_string(limits.cpu_seconds) +
@@ -111,8 +111,9 @@ void require_plain(const nlohmann::json& outcome) {
                 "The result is larger than " + std::to_string(limits.file_bytes) + " bytes.");
   if (signal == SIGKILL)
     throw Error(ErrorKind::limit, "out-of-memory",
-                "The work was stopped by the system, most likely because the machine's memory ran out; use fewer or "
-                "smaller inputs.");
+                "The work was stopped by the system when it held " + std::to_string(peak_kb >> 10) + " MB of the " +
+                    std::to_string(limits.memory >> 20) +
+                    " that it may take, most likely because the machine's memory ran out; use fewer or smaller inputs.");
   throw Error(ErrorKind::internal, "worker-died", "a worker died of signal " + std::to_string(signal));
 }
 
@@ -203,7 +204,8 @@ nlohmann::json Workers::run(What what, const std::filesystem::path& folder, cons
       return message->at("done");
     }
     if (message->contains("failure")) throw_failure(message->at("failure"));
-    if (message->contains("signal")) throw_death(message->value("signal", 0), limits);
+    if (message->contains("signal"))
+      throw_death(message->value("signal", 0), message->value("peak_kb", 0L), limits);
     if (message->contains("stage") && events.progress)
       events.progress(message->value("stage", ""), message->value("fraction", 0.0));
     if (message->contains("reference")) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small terrains that one can check by hand, in the formats the service reads."""
 import json
+import struct
 
 UTM = {"assume-crs": "EPSG:25831"}
 
@@ -44,6 +45,19 @@ def ascii_grid(columns, rows, height, x=0.0, y=0.0, cell=10.0):
 def hills(count):
     """Enough work to be busy with: a rough raster of count x count samples."""
     return ascii_grid(count, count, lambda c, r: (c * 7919 + r * 104729 + c * r * 31) % 1009)
+
+
+def lattice_ply(cells, size):
+    """A rough surface of cells x cells squares, two faces each."""
+    places = range(cells + 1)
+    vertices = b"".join(struct.pack("<3f", c * size, r * size, (c * 7919 + r * 104729 + c * r * 31) % 1009)
+                        for r in places for c in places)
+    corners = [r * (cells + 1) + c for r in range(cells) for c in range(cells)]
+    faces = b"".join(struct.pack("<B3iB3i", 3, v, v + 1, v + cells + 2, 3, v, v + cells + 2, v + cells + 1)
+                     for v in corners)
+    return (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(places)**2}\nproperty float x\n"
+            f"property float y\nproperty float z\nelement face {2 * cells**2}\n"
+            "property list uchar int vertex_indices\nend_header\n").encode() + vertices + faces
 
 
 def read_obj(text):

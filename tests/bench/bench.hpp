@@ -21,6 +21,7 @@ class Words {
   bool flag(const std::string& name);
   /// What is left. Throws Error{usage} with `usage` unless these are `count` files.
   std::vector<std::string> files(std::size_t count, const std::string& usage) const;
+  const std::vector<std::string>& all() const { return words_; }
 
  private:
   std::vector<std::string> words_;
@@ -39,6 +40,7 @@ Raster read_raster(const std::string& path);
 
 int dem(Words words);
 int files(Words words);
+int memory(Words words);
 int mesh(Words words);
 int overlay(Words words);
 int triangulate(Words words);

@@ -16,6 +16,7 @@ int run(int argc, char** argv) {
   static const std::map<std::string, int (*)(bench::Words)> subcommands{
       {"dem", bench::dem},
       {"files", bench::files},
+      {"memory", bench::memory},
       {"mesh", bench::mesh},
       {"overlay", bench::overlay},
       {"rasterize", bench::rasterize},
