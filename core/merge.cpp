@@ -145,7 +145,10 @@ class Step {
       result.surface.z.push_back(overlay_.height(winner, f, k));
       result.surface.firm.push_back(is_firm(from, parent, (*points_)[overlay_.faces[f][k]]));
     }
-    result.cells.push_back(from.cells[parent]);
+    // Of one cell is what lies on the same faces and has one winner.
+    result.cells.push_back(a == none || b == none ? from.cells[parent]
+                           : winner == 0          ? cells_.both(near_.cells[a], tile_.cells[b])
+                                                  : cells_.both(tile_.cells[b], near_.cells[a]));
     // What wins over a ramp need not win over what the ramp replaced.
     const bool over_ramp = winner == 1 && a != none && sets_.is_sloped(near_.contributors[a]);
     result.contributors.push_back(over_ramp ? sets_.sloped(from.contributors[parent]) : from.contributors[parent]);
