@@ -151,7 +151,9 @@ class Case:
 
     def row(self, published):
         cells = [f'`{self}`', f'{self.sizes[-1][1]:,}', *map(str, self.figures())]
-        return '| ' + ' | '.join(cells + ['{} to {}'.format(*self.published)] * published) + ' |'
+        if published:
+            cells.append('{} to {}'.format(*self.published))
+        return f'| {" | ".join(cells)} |'
 
 
 def table(cases, what, published=True):
@@ -161,7 +163,7 @@ def table(cases, what, published=True):
 
 def document(program, faces, cells, others):
     text = TEXT.replace('{program}', str(program)).replace('{threads}', str(os.cpu_count()))
-    lines = [text, *(f'- {line}' for line in conditions(ROOT)), '']
+    lines = [text, *(f'- {line}' for line in conditions(ROOT)[:2]), '']
     lines += ['## Faces', '', 'Of the inputs; of the result where nothing is read.', '', *table(faces, 'faces')]
     lines += ['## Cells', '', *table(cells, 'cells')]
     lines += ['## Not in the published figures', '', *table(others, 'faces or samples', False)]
