@@ -124,8 +124,8 @@ Json callbacks() {
                  {{"post",
                    {{"operationId", std::string("tell-") + uri},
                     {"summary", summary},
-                    {"description", "Sent to hosts that the server allows (--allow-hosts). The end of a job is sent up to six "
-                                   "times within a quarter of an hour, and may arrive twice."},
+                    {"description", "Sent to hosts that the server allows (--allow-hosts). The end of a job is sent up to "
+                                   "seven times within a quarter of an hour, and may arrive twice."},
                     {"requestBody", body},
                     {"responses",
                      {{"2XX", {{"description", "It has arrived."}}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/callbacks.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/jobs.hpp"
@@ -17,11 +18,11 @@ using Answer = Outbound::Answer;
 constexpr int callback_threads = 2;
 constexpr auto idle_step = 1s, pause_after_failure = 5s;
 constexpr std::int64_t lease_ms = 30'000;  // more than telling takes
-constexpr int most_tellings = 6;
+constexpr int most_tellings = 7;
 constexpr std::uint64_t largest_callback = 64 << 20;
 
-/// After the n-th time: 1, 5, 25, 125, 625 seconds.
-std::int64_t pause_ms(int tellings) { return static_cast<std::int64_t>(1000 * std::pow(5, tellings - 1)); }
+/// 1, 5, 25, 125, 625 seconds; the first telling may have been of the beginning alone.
+std::int64_t pause_ms(int tellings) { return static_cast<std::int64_t>(1000 * std::pow(5, std::max(0, tellings - 2))); }
 
 }  // namespace
 

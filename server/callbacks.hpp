@@ -15,7 +15,7 @@ namespace terrane {
 
 /// Tells subscribers that their jobs began and how they ended, on threads of its own: no work waits for a subscriber.
 /// What is still to tell stands in the store, so a stop or a kill loses none of it; the same may be told twice. An end is
-/// told again until it is taken, refused (4xx), or was told six times within a quarter of an hour; a beginning once.
+/// told again until it is taken, refused (4xx), or was told seven times within a quarter of an hour; a beginning once.
 class Callbacks {
  public:
   /// The rest must outlive it.

@@ -324,7 +324,7 @@ class Subscriber(http.server.ThreadingHTTPServer):
     def paths(self):
         return [path for path, _ in self.told]
 
-    def wait_for(self, count, timeout=20):
+    def wait_for(self, count, timeout=30):
         end = time.monotonic() + timeout
         while len(self.told) < count and time.monotonic() < end:
             time.sleep(0.05)
