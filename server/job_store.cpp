@@ -257,9 +257,10 @@ class SqlJobStore : public JobStore {
   }
 
   void told(const std::string& id, JobStatus status, Instant now) override {
-    database_->run("UPDATE terrane_jobs SET tell_at = CASE WHEN status = $2 THEN NULL ELSE $3 END "
-                   "WHERE id = $1 AND tell_at IS NOT NULL",
-                   {clean(id), std::string(word(status)), now});
+    database_->run(
+        "UPDATE terrane_jobs SET tell_at = CASE WHEN status = $2 THEN NULL ELSE $3 END "
+        "WHERE id = $1 AND tell_at IS NOT NULL",
+        {clean(id), std::string(word(status)), now});
   }
 
   void tell_again(const std::string& id, Instant when) override {
@@ -301,18 +302,22 @@ std::optional<JobStatus> job_status(std::string_view word) {
   return static_cast<JobStatus>(found - status_words.begin());
 }
 
-std::string job_schema(std::string_view number) {
-  return "CREATE TABLE terrane_jobs (number " + std::string(number) +
-         ", id text NOT NULL UNIQUE, operation text NOT NULL, status text NOT NULL, message text NOT NULL, "
-         "progress bigint NOT NULL, created bigint NOT NULL, updated bigint NOT NULL, started bigint, finished bigint, "
-         "expires bigint, attempts bigint NOT NULL DEFAULT 0, owner text NOT NULL DEFAULT '', claim text UNIQUE, "
-         "heard bigint, idempotency_key text UNIQUE, fingerprint text NOT NULL, subscriber text, outcome text, "
-         // When the subscriber is to hear of it, and how often that was tried.
-         "tell_at bigint, tellings bigint NOT NULL DEFAULT 0);"
-         "CREATE INDEX terrane_jobs_line ON terrane_jobs (status, number);"
-         "CREATE INDEX terrane_jobs_list ON terrane_jobs (created DESC, id);"
-         "CREATE INDEX terrane_jobs_expires ON terrane_jobs (expires);"
-         "CREATE INDEX terrane_jobs_tell ON terrane_jobs (tell_at);";
+std::string job_schema(int from, std::string_view number) {
+  const std::string first =
+      "CREATE TABLE terrane_jobs (number " + std::string(number) +
+      ", id text NOT NULL UNIQUE, operation text NOT NULL, status text NOT NULL, message text NOT NULL, "
+      "progress bigint NOT NULL, created bigint NOT NULL, updated bigint NOT NULL, started bigint, finished bigint, "
+      "expires bigint, attempts bigint NOT NULL DEFAULT 0, owner text NOT NULL DEFAULT '', claim text UNIQUE, "
+      "heard bigint, idempotency_key text UNIQUE, fingerprint text NOT NULL, subscriber text, outcome text);"
+      "CREATE INDEX terrane_jobs_line ON terrane_jobs (status, number);"
+      "CREATE INDEX terrane_jobs_list ON terrane_jobs (created DESC, id);"
+      "CREATE INDEX terrane_jobs_expires ON terrane_jobs (expires);";
+  // When the subscriber is to hear of it, and how often that was tried.
+  const std::string second =
+      "ALTER TABLE terrane_jobs ADD COLUMN tell_at bigint;"
+      "ALTER TABLE terrane_jobs ADD COLUMN tellings bigint NOT NULL DEFAULT 0;"
+      "CREATE INDEX terrane_jobs_tell ON terrane_jobs (tell_at);";
+  return (from < 1 ? first : "") + (from < 2 ? second : "");
 }
 
 std::unique_ptr<JobStore> make_job_store(std::shared_ptr<SqlDatabase> database, std::shared_ptr<SqlDatabase> reader,

@@ -151,13 +151,17 @@ class PostgresqlDatabase : public SqlDatabase {
     const auto found = rows_of(execute(
         "SELECT coalesce(obj_description(t.oid, 'pg_class'), '') FROM (SELECT to_regclass('terrane_jobs') AS oid) t "
         "WHERE t.oid IS NOT NULL"));
-    const std::string version = "Terrane schema " + std::to_string(job_schema_version);
-    if (found.empty()) {
-      execute(job_schema("bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY"));
-      execute("COMMENT ON TABLE terrane_jobs IS '" + version + "'");
-    } else if (found[0][0] != version) {
-      fail_store("the table terrane_jobs is not of this Terrane: its comment says '" + found[0][0].value_or("") +
-                 "' instead of '" + version + "'");
+    const auto named = [](int version) { return "Terrane schema " + std::to_string(version); };
+    const std::string comment = found.empty() ? named(0) : found[0][0].value_or("");
+    int version = found.empty() ? 0 : 1;
+    while (version < job_schema_version && comment != named(version)) ++version;
+    if (comment != named(version)) {
+      fail_store("the table terrane_jobs is not of this Terrane: its comment says '" + comment + "' instead of '" +
+                 named(job_schema_version) + "'");
+    }
+    if (version < job_schema_version) {
+      execute(job_schema(version, "bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY"));
+      execute("COMMENT ON TABLE terrane_jobs IS '" + named(job_schema_version) + "'");
     }
     execute("COMMIT");
   }

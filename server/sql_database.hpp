@@ -35,8 +35,9 @@ class SqlDatabase {
 
 inline constexpr int job_schema_version = 2;
 
-/// The statements that make the table terrane_jobs, whose column `number`, the place in the line, is declared so.
-std::string job_schema(std::string_view number);
+/// The statements that bring the table terrane_jobs from a version (0: there is none) to this one. Its column `number`,
+/// the place in the line, is declared so.
+std::string job_schema(int from, std::string_view number);
 
 /// What only reads goes through `reader`, which may be the same: who looks at a job need not wait until another is
 /// written to the disk. `skip_locked` is what follows a SELECT of rows that others must not get as well, where that has

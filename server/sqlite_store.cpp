@@ -104,12 +104,12 @@ class SqliteDatabase : public SqlDatabase {
   void make_table() {
     execute("BEGIN IMMEDIATE");  // two may open the file at the same time
     const int version = std::stoi(run("PRAGMA user_version", {}).at(0).at(0).value());
-    if (version != 0 && version != job_schema_version) {
+    if (version < 0 || version > job_schema_version) {
       fail_store("the file was written by another Terrane (schema " + std::to_string(version) + ", this one knows " +
                  std::to_string(job_schema_version) + ")");
     }
-    if (version == 0) {
-      execute(job_schema("integer PRIMARY KEY"));
+    if (version < job_schema_version) {
+      execute(job_schema(version, "integer PRIMARY KEY"));
       execute("PRAGMA user_version = " + std::to_string(job_schema_version));
     }
     execute("COMMIT");

@@ -230,6 +230,23 @@ TEST(SqliteStore, WhatItDoesNotKnowIsRefused) {
   EXPECT_EQ(complaint([&] { open_sqlite_store(folder.path / "no" / "jobs.db"); }), "store-failed");
 }
 
+TEST(SqliteStore, AFileOfAnEarlierVersionKeepsItsJobs) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path / "jobs.db";
+  open_sqlite_store(file)->add(job("a"));
+  sqlite3* connection = nullptr;
+  sqlite3_open(file.c_str(), &connection);
+  EXPECT_EQ(sqlite3_exec(connection,
+                         "DROP INDEX terrane_jobs_tell; ALTER TABLE terrane_jobs DROP COLUMN tell_at;"
+                         "ALTER TABLE terrane_jobs DROP COLUMN tellings; PRAGMA user_version = 1",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(connection);
+  const auto store = open_sqlite_store(file);
+  EXPECT_TRUE(store->find("a"));
+  EXPECT_TRUE(store->take("server", 5));
+}
+
 TEST_P(StoreFaults, ManyMayOpenItForTheFirstTimeAtOnce) {
   for (int round = 0; round < 5; ++round) {
     if (!is_sqlite()) server().run("DROP TABLE IF EXISTS terrane_jobs");

@@ -171,6 +171,16 @@ TEST_P(PostgresqlStore, ATableOfAnotherVersionIsRefused) {
   EXPECT_NE(message.find("Terrane schema 7"), std::string::npos) << message;
 }
 
+TEST_P(PostgresqlStore, ATableOfAnEarlierVersionKeepsItsJobs) {
+  open()->add(job("a"));
+  server().run(
+      "ALTER TABLE terrane_jobs DROP COLUMN tell_at, DROP COLUMN tellings;"
+      "COMMENT ON TABLE terrane_jobs IS 'Terrane schema 1'");
+  const auto store = open();
+  EXPECT_TRUE(store->find("a"));
+  EXPECT_TRUE(store->take("server", 5));
+}
+
 TEST_P(PostgresqlStore, MessagesNameNoCredentials) {
   const std::string port = std::to_string(server().port());
   for (const std::string& uri :
