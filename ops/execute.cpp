@@ -253,8 +253,8 @@ Response execute(const Plan& plan, Context& context, const Body& body) {
   use_threads(plan, context);
   std::vector<Surface> surfaces = decode_all(plan, context);
   const Frame frame = common_frame(surfaces, plan, context);
-  Outcome outcome =
-      plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context), frame.crs}, context);
+  const Values values = {plan.parameters, vectors_in_frame(plan, surfaces, frame.crs, context), frame.crs};
+  Outcome outcome = plan.operation->run(surfaces, values, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);
