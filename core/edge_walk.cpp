@@ -150,6 +150,25 @@ class EdgeWalk {
     return none;
   }
 
+  /// The half-edge of B that leaves a place and along or left of which, as `goes` says, the line goes on. Looked for both
+  /// ways from the last one found there: of very many lines that leave one place most leave it beside the one before.
+  template <class Goes>
+  Index way_from(Index place, const Goes& goes) {
+    const bool on_box = place >= b_.real_places();  // nothing goes all the way round there
+    const Index first = last_way_ != none && !on_box && b_.origin(last_way_) == place ? last_way_ : b_.out[place];
+    for (Index left = first, right = on_box ? none : first; left != none;) {
+      if (goes(left)) return last_way_ = left;
+      if (right != none) {
+        right = next_half(b_.twin(right));
+        if (right == left) break;
+        if (goes(right)) return last_way_ = right;
+      }
+      left = b_.rotate(left);
+      if (left == (on_box ? first : right)) break;
+    }
+    throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
+  }
+
   /// The edge being followed.
   struct Line {
     Point2 start, goal;
@@ -254,28 +273,21 @@ class EdgeWalk {
           push(Node(Node::junction, arrangement_.junction_of[1][v]));
         }
         const Point2 V = b_.at(v);
-        bool found = false;
-        for (Index h = b_.out[v]; h != none && !found;) {
-          const Index q = b_.target(h);
-          const double dq = side(q);
-          if (dq == 0 && ahead(V, b_.at(q), line.start, line.goal)) {
-            along_half(h);
-            if (goal_.edge == b_.half[b_.edge_of(h)]) return;
-            at_place = q;
-            found = true;
-          } else if (dq < 0) {
-            const double da = side(b_.apex(h));
-            if (da > 0) {
-              in_face(h >> 2);
-              if (ends_in(h >> 2)) return;
-              exit = gate(next_half(h), dq, da);
-              found = true;
-            }
-          }
-          h = b_.rotate(h);
-          if (h == b_.out[v]) break;
+        double dq = 0, da = 0;
+        const Index h = way_from(v, [&](Index h) {
+          dq = side(b_.target(h));
+          if (dq == 0) return ahead(V, b_.at(b_.target(h)), line.start, line.goal);
+          return dq < 0 && (da = side(b_.apex(h))) > 0;
+        });
+        if (dq == 0) {
+          along_half(h);
+          if (goal_.edge == b_.half[b_.edge_of(h)]) return;
+          at_place = b_.target(h);
+        } else {
+          in_face(h >> 2);
+          if (ends_in(h >> 2)) return;
+          exit = gate(next_half(h), dq, da);
         }
-        if (!found) throw Error(ErrorKind::internal, "walk", "an edge lost its way around a vertex");
         continue;
       }
       const Index g = cross(line, exit);
@@ -326,7 +338,8 @@ class EdgeWalk {
   Index first_vertex_;
   std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_stop_ = 0, crossing_stop_ = 0;
   Index ahead_of_a_ = 0;  // how far the last shared half-edge is numbered further in B
-  Goal goal_;             // of the edge being followed
+  Index last_way_ = none;
+  Goal goal_;  // of the edge being followed
 };
 
 }  // namespace

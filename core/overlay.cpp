@@ -17,6 +17,7 @@
 #include "core/overlay_faces.hpp"
 #include "core/parallel.hpp"
 #include "core/rounding.hpp"
+#include "core/segment_index.hpp"
 #include "core/shared_faces.hpp"
 #include "core/snapping.hpp"
 #include "core/triangle_height.hpp"
@@ -82,19 +83,42 @@ class HomeRegions {
   std::vector<Index> sorted_;  // by their parents; made when first needed
 };
 
-/// How far a place lies from a mesh that is one area: 0 inside. O(border).
-double distance_to_area(const CompletedMesh& mesh, Point2 p) {
-  if (mesh.real(face_at(mesh, locate(mesh, p, 0)))) return 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (Index e = 0; e < mesh.edges(); ++e) {
-    const Index h = mesh.half[e];
-    if (mesh.sides[e] != 1 || mesh.twin(h) == none) continue;
-    double d;
-    nearest_on_segment(mesh.at(mesh.origin(h)), mesh.at(mesh.target(h)), p, d);
-    least = std::min(least, d);
+/// How far places lie from a mesh that is one area: 0 inside.
+class DistanceToArea {
+ public:
+  explicit DistanceToArea(const CompletedMesh& mesh) : mesh_(mesh) {}
+
+  double operator()(Point2 p) {
+    last_ = face_at(mesh_, locate(mesh_, p, last_));
+    if (mesh_.real(last_)) return 0;
+    if (!border_) border_.emplace(border_of(mesh_), 0);
+    // What the nearest found within a box may be beaten by lies in a box as far out as that.
+    for (double reach = border_->cell_size();; reach *= 2) {
+      border_->near({p.x - reach, p.y - reach, p.x + reach, p.y + reach}, found_);
+      double least = std::numeric_limits<double>::infinity();
+      for (const Index i : found_) {
+        double d;
+        nearest_on_segment((*border_)[i][0], (*border_)[i][1], p, d);
+        least = std::min(least, d);
+      }
+      if (least <= reach || found_.size() == border_->size()) return least;
+    }
   }
-  return least;
-}
+
+ private:
+  static std::vector<std::array<Point2, 2>> border_of(const CompletedMesh& mesh) {
+    std::vector<std::array<Point2, 2>> border;
+    for (Index e = 0; e < mesh.edges(); ++e)
+      if (const Index h = mesh.half[e]; mesh.sides[e] == 1 && mesh.twin(h) != none)
+        border.push_back({mesh.at(mesh.origin(h)), mesh.at(mesh.target(h))});
+    return border;
+  }
+
+  const CompletedMesh& mesh_;
+  Index last_ = 0;                      // the face around the last place
+  std::optional<SegmentIndex> border_;  // made when first needed
+  std::vector<Index> found_;
+};
 
 /// Makes every face positive on its doubles. Faces keep their parents' order no longer; `relabelled` lists those whose
 /// corners or parents changed.
@@ -112,12 +136,13 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
   // A region outside one of the meshes must not reach into that one either; but A may lie on B.
   Depth depth[2] = {Depth(*arrangement.mesh[0]), Depth(*arrangement.mesh[1])};
   const double reach = 16 * report.max_move;
+  DistanceToArea area(*arrangement.mesh[1]);
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
     for (int m = 0; region != none && m < 2; ++m) {
       const Index f = regions[region][m];
       if (f != none && m == 1 && refinement == Refinement::outline)
-        d = std::max(d, distance_to_area(*arrangement.mesh[1], p));
+        d = std::max(d, area(p));
       else if (f != none)
         d = std::max(d, heights[m].distance(f, p));
       else if (m == 0 || refinement != Refinement::paste)

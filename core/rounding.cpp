@@ -182,13 +182,15 @@ void connect(PlanarMesh& mesh) {
   std::vector<Entry> entries(start.back());
   each([&](Index f, int k, Index low, Index high) { entries[start[low + 1]++] = {high, f, k}; });
   mesh.neighbours.assign(mesh.faces.size(), {none, none, none});
-  for (std::size_t low = 0; low < mesh.points.size(); ++low)
-    for (Index i = start[low]; i < start[low + 1]; ++i)
-      for (Index j = i + 1; j < start[low + 1]; ++j)
-        if (entries[i].high == entries[j].high) {
-          mesh.neighbours[entries[i].face][entries[i].k] = entries[j].face;
-          mesh.neighbours[entries[j].face][entries[j].k] = entries[i].face;
-        }
+  for (std::size_t low = 0; low < mesh.points.size(); ++low) {
+    std::sort(entries.begin() + start[low], entries.begin() + start[low + 1],
+              [](const Entry& a, const Entry& b) { return a.high < b.high; });
+    for (Index i = start[low]; i + 1 < start[low + 1]; ++i)
+      if (entries[i].high == entries[i + 1].high) {
+        mesh.neighbours[entries[i].face][entries[i].k] = entries[i + 1].face;
+        mesh.neighbours[entries[i + 1].face][entries[i + 1].k] = entries[i].face;
+      }
+  }
 }
 
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,

@@ -21,6 +21,8 @@ class SegmentIndex {
   void near(const Box& box, std::vector<Index>& found) const;
 
   const std::array<Point2, 2>& operator[](Index i) const { return segments_[i]; }
+  std::size_t size() const { return segments_.size(); }
+  double cell_size() const { return size_; }
 
  private:
   std::uint64_t cell(std::int64_t column, std::int64_t row) const {

@@ -115,12 +115,12 @@ Tin rectangle(const Box& box, double z_xmin, double z_xmax, double max_edge) {
 }
 
 std::vector<Point2> ellipse(Point2 centre, double major, double minor, double azimuth, int samples) {
-  const auto [north, east] = turned_by(azimuth, 360);
+  const auto [cosine, sine] = turned_by(azimuth, 360);
   std::vector<Point2> ring;
   for (int n = 0; n < samples; ++n) {
     const auto [c, s] = turned_by(n, samples);
     const double along = c * (major / 2), across = s * (minor / 2);
-    ring.push_back({centre.x + (along * east - across * north), centre.y + (along * north + across * east)});
+    ring.push_back({centre.x + (along * cosine + across * sine), centre.y + (across * cosine - along * sine)});
   }
   return ring;
 }

@@ -19,9 +19,9 @@ namespace terrane {
 Tin rectangle(const Box& box, double z_xmin, double z_xmax, double max_edge);
 
 /// `samples` corners of an ellipse, counter-clockwise, evenly in its parameter, the first at the end of the major axis:
-/// centre + cos(2 pi n / samples) major / 2 + sin(2 pi n / samples) minor / 2. Axes are full lengths; `azimuth` is that
-/// of the major one, in degrees clockwise from north, so the method's ellipse along x has azimuth 90. Quarters are
-/// exact. samples >= 3.
+/// centre + (cos(2 pi n / samples) major / 2, sin(2 pi n / samples) minor / 2), turned by `azimuth` degrees clockwise:
+/// at 0 the major axis lies along x and the minor one points north. Axes are full lengths. Quarters are exact.
+/// samples >= 3.
 std::vector<Point2> ellipse(Point2 centre, double major, double minor, double azimuth, int samples);
 
 /// `samples` places on the closed curve through the points: the periodic cubic spline, twice continuously

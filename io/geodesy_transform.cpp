@@ -45,6 +45,18 @@ class Mover {
   double plan_factor_ = 1, height_factor_ = 1, metres_per_unit_ = 1;
 };
 
+/// There is a way between the two, but not where the coordinates are: mostly they are not what they are taken for.
+[[noreturn]] void refuse_area(const Crs& from, const Crs& to, const Box& lon_lat) {
+  const auto place = [](double lon, double lat) {
+    return shortest(std::round(1e4 * lon) / 1e4) + ", " + shortest(std::round(1e4 * lat) / 1e4);
+  };
+  throw Error(ErrorKind::input, "outside-crs",
+              "the coordinates, read as " + from.name() + ", lie between longitude, latitude " +
+                  place(lon_lat.xmin, lon_lat.ymin) + " and " + place(lon_lat.xmax, lon_lat.ymax) +
+                  ", where no way to " + to.name() +
+                  " is known; correct them or say which coordinate reference system they are in");
+}
+
 Mover::Mover(const Crs& from, const Crs& to, const Box& area) {
   if (!from.known() || !to.known())
     throw Error(ErrorKind::usage, "no-crs",
@@ -78,6 +90,7 @@ Mover::Mover(const Crs& from, const Crs& to, const Box& area) {
                   "the way from " + from.name() + " to " + to.name() + " needs the grid " + listed(grids) +
                       ", which is not installed; install it (package proj-data or https://cdn.proj.org) or choose "
                       "another target-crs");
+    if (make_transformation(source, target, nullptr, false)) refuse_area(from, to, lon_lat);
     throw Error(ErrorKind::input, "no-transformation",
                 "no transformation from " + from.name() + " to " + to.name() +
                     " is known here (it may need a grid that is not installed); choose another target-crs");

@@ -24,7 +24,7 @@ class Reader {
                   name_ + ": more than 128 MiB of GeoJSON; thin it, or send it as a GeoPackage");
     const Json root = parse(without_mark(bytes));
     Vectors vectors;
-    vectors.geojson = true;
+    vectors.geojson = vectors.lonlat = true;
     vectors.crs = crs_of(root);
     const std::string type = type_of(root, "the document");
     if (type == "FeatureCollection") {

@@ -16,14 +16,12 @@
 #include "io/sqlite_schema.hpp"
 #include "io/text.hpp"
 #include "io/vectors.hpp"
+#include "io/zipped_shapefile.hpp"
 
 // WKT, GeoPackage, zipped Shapefile and DXF through GDAL: bytes in memory, one named driver.
 namespace terrane {
 namespace {
 
-constexpr double max_unzipped = 1e9;
-constexpr std::size_t max_entries = 1000;  // of a zip file, folders counted: GDAL looks through all of them for each
-constexpr std::size_t max_features = 2'000'000;
 constexpr std::size_t max_drawn = 400'000;  // of a drawing, whose few bytes may insert a block any number of times
 
 void register_vector_drivers() {
@@ -56,18 +54,12 @@ class Reader {
 
   Vectors file(std::string_view bytes, const std::string& word) {
     if (word == "gpkg") refuse_programs(bytes);
-    if (word == "shp") check_zip_directory(bytes);
-    const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".shz");
-    if (word == "shp") check_zip(file.name());
-    const char* driver = word == "gpkg" ? "GPKG" : word == "dxf" ? "DXF" : "ESRI Shapefile";
-    const char* drivers[] = {driver, nullptr};
-    const DatasetHandle dataset(static_cast<GDALDataset*>(
-        GDALOpenEx(file.name().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr)));
-    if (!dataset) bad("wrong-magic", "it cannot be read as " + word + "; it is damaged or cut off, send it again");
+    const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".zip");
     if (word == "dxf") most_features_ = max_drawn;
     Vectors vectors;
-    for (int i = 0; i < dataset->GetLayerCount(); ++i)
-      if (OGRLayer* layer = dataset->GetLayer(i)) add_layer(*layer, vectors);
+    if (word != "shp") add_file(file.name(), word, vectors);
+    else
+      for (const std::string& part : shapefiles_in(bytes, file.name(), name_)) add_file(part, word, vectors);
     return vectors;
   }
 
@@ -88,60 +80,18 @@ class Reader {
           "GeoPackage");
     const auto rows = sqlite_rows(bytes, "spatial_ref_sys");
     if (!rows) bad("wrong-magic", "its table of coordinate reference systems is damaged; export it again");
-    for (const std::string& row : *rows) check_definition(row);
+    for (const std::string& row : *rows) refuse_grid_files(row, name_);
   }
 
-  /// GDAL opens what a definition names as soon as it reads it.
-  void check_definition(std::string_view text) const {
-    if (names_files(text)) bad("bad-crs", "its coordinate reference system names grid files, which is not allowed");
-  }
-
-  static std::string start_of(const std::string& file) {
-    std::string text(100'000, '\0');
-    VSILFILE* opened = VSIFOpenL(file.c_str(), "rb");
-    if (!opened) return "";
-    text.resize(VSIFReadL(text.data(), 1, text.size(), opened));
-    VSIFCloseL(opened);
-    return text;
-  }
-
-  /// Before GDAL sees the file. What it believes are the numbers at the end of the zip file's directory.
-  void check_zip_directory(std::string_view bytes) const {
-    const std::string_view tail = bytes.substr(bytes.size() - std::min<std::size_t>(bytes.size(), 66'000));
-    const std::size_t at = tail.rfind("PK\5\6"), left = at == std::string_view::npos ? 0 : tail.size() - at;
-    const auto number = [&](std::size_t offset, int size) {
-      std::size_t value = 0;
-      for (int i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(tail[at + offset + i]);
-      return value;
-    };
-    if (left < 22 || number(12, 4) > bytes.size() - left)
-      bad("wrong-magic", "the zip file cannot be read; it is damaged or cut off, send it again");
-    const std::string_view directory = bytes.substr(bytes.size() - left - number(12, 4), number(12, 4));
-    const auto folders =
-        std::count_if(directory.begin(), directory.end(), [](char c) { return c == '/' || c == '\\'; });
-    const bool large = tail.find("PK\6\7") != std::string_view::npos;  // zip64: other numbers count
-    if (large || number(10, 2) + static_cast<std::size_t>(folders) > max_entries)
-      throw Error(ErrorKind::limit, "too-many-entries",
-                  name_ + ": the zip file has more than 1000 files and folders; send the one layer that counts");
-  }
-
-  /// What it unpacks to is bounded before it is unpacked.
-  void check_zip(const std::string& file) const {
-    const std::string folder = "/vsizip/{" + file + "}";  // in braces: .shz is no name of an archive
-    const std::unique_ptr<char*, void (*)(char**)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
-    if (!entries) bad("wrong-magic", "the zip file cannot be read; it is damaged or cut off, send it again");
-    double size = 0;
-    bool shape = false;
-    for (char** entry = entries.get(); *entry; ++entry) {
-      VSIStatBufL facts;
-      if (VSIStatL((folder + "/" + *entry).c_str(), &facts) == 0) size += static_cast<double>(facts.st_size);
-      shape = shape || lower(*entry).ends_with(".shp");
-      if (lower(*entry).ends_with(".prj")) check_definition(start_of(folder + "/" + *entry));
-    }
-    if (!shape) bad("no-shapefile", "there is no .shp in the zip file");
-    if (size > max_unzipped)
-      throw Error(ErrorKind::limit, "too-large",
-                  name_ + ": it unpacks to more than 1 GB; send the one layer that counts");
+  void add_file(const std::string& file, const std::string& word, Vectors& vectors) {
+    const char* drivers[] = {word == "gpkg" ? "GPKG" : word == "dxf" ? "DXF" : "ESRI Shapefile", nullptr};
+    const DatasetHandle dataset(static_cast<GDALDataset*>(
+        GDALOpenEx(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, nullptr, nullptr)));
+    if (!dataset)
+      bad("wrong-magic", word == "shp" ? "a shapefile in it cannot be read; it is damaged, or its .shx is not beside it"
+                                       : "it cannot be read as " + word + "; it is damaged or cut off, send it again");
+    for (int i = 0; i < dataset->GetLayerCount(); ++i)
+      if (OGRLayer* layer = dataset->GetLayer(i)) add_layer(*layer, vectors);
   }
 
   void add_layer(OGRLayer& layer, Vectors& vectors) {
@@ -153,9 +103,7 @@ class Reader {
       if (!feature) return;
       context_.stop_if_cancelled();
       element_ = "feature " + std::to_string(vectors.features.size());
-      if (vectors.features.size() >= most_features_)
-        throw Error(ErrorKind::limit, "too-many-features",
-                    name_ + ": more than " + std::to_string(most_features_) + " features; send those that count");
+      check_features(vectors, most_features_, name_);
       Feature row;
       for (int i = 0; i < feature->GetFieldCount(); ++i) add_property(*feature, i, row);
       if (const OGRGeometry* geometry = feature->GetGeometryRef()) add_shapes(*geometry, row);
@@ -168,15 +116,8 @@ class Reader {
     const char* options[] = {"FORMAT=WKT2_2019", nullptr};
     srs.exportToWkt(&text, options);
     const std::unique_ptr<char, void (*)(void*)> owned(text, CPLFree);
-    Crs crs;
-    try {
-      crs = Crs::parse(text ? text : "");
-    } catch (const Error&) {
-      context_.warn({"bad-crs", name_, "",
-                     "the coordinate reference system that " + name_ + " declares is not understood",
-                     "say which one it is in with the parameter's -crs"});
-      return;
-    }
+    const Crs crs = declared_crs(text ? text : "", name_, context_);
+    if (!crs.known()) return;
     if (vectors.crs.known() && !vectors.crs.same_plan(crs))
       bad("mixed-crs", "its layers are in different coordinate reference systems; send the one that is meant");
     vectors.crs = crs;

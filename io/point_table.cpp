@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <optional>
 
 #include "io/bad_input.hpp"
 #include "io/format_list.hpp"
+#include "io/table.hpp"
 #include "io/text.hpp"
 
 // Tables of points: one a line, columns apart by commas, semicolons, tabs or blanks. Which columns are x, y and z is
@@ -17,37 +17,6 @@ struct Columns {
   std::size_t x = 0, y = 1, z = 2;
   std::size_t least() const { return std::max({x, y, z}) + 1; }
 };
-
-constexpr bool is_separator(char c) { return c == ',' || c == ';' || is_blank(c); }
-
-/// The cells of a line; blanks around another separator do not make cells of their own.
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  const char mark = line.find(';') != std::string_view::npos ? ';' : line.find(',') != std::string_view::npos ? ',' : 0;
-  if (mark == 0) {
-    for (const char *p = line.data(), *const end = p + line.size(); (p = skip_blanks(p, end)) != end;) {
-      const char* first = p;
-      while (p != end && !is_blank(*p)) ++p;
-      cells.emplace_back(first, p - first);
-    }
-    return cells;
-  }
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(mark, begin), line.size());
-    std::string_view cell = trimmed(line.substr(begin, end - begin));
-    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-    cells.push_back(cell);
-    begin = end + 1;
-  }
-  return cells;
-}
-
-std::optional<double> number(std::string_view cell) {
-  double value = 0;
-  const char* end = cell.data() + cell.size();
-  if (cell.empty() || parse_number(cell.data(), end, value) != end) return {};
-  return value;
-}
 
 /// "PNEZD": P a name, N or Y the northing, E or X the easting, Z the height, D words; anything else is passed over.
 std::optional<Columns> columns_by_letters(std::string_view letters) {
@@ -65,18 +34,11 @@ std::optional<Columns> columns_by_letters(std::string_view letters) {
   return Columns{*x, *y, *z};
 }
 
-std::optional<Columns> columns_by_names(const std::vector<std::string_view>& cells) {
-  constexpr std::array<std::string_view, 7> xs = {"x", "easting", "east", "e", "lon", "longitude", "long"};
-  constexpr std::array<std::string_view, 6> ys = {"y", "northing", "north", "n", "lat", "latitude"};
-  constexpr std::array<std::string_view, 7> zs = {"z", "elevation", "elev", "height", "h", "alt", "altitude"};
-  const auto find = [&](const auto& names) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (std::find(names.begin(), names.end(), lower(cells[i])) != names.end()) return i;
-    return {};
-  };
-  const auto x = find(xs), y = find(ys), z = find(zs);
-  if (!x || !y || !z) return {};
-  return Columns{*x, *y, *z};
+/// A table of points needs all three.
+std::optional<Columns> three_columns(const std::vector<std::string_view>& cells) {
+  const auto named = columns_by_names(cells);
+  if (!named || !named->z) return {};
+  return Columns{named->x, named->y, *named->z};
 }
 
 class Reader {
@@ -111,12 +73,12 @@ class Reader {
 
  private:
   void take(std::string_view line) {
-    if (line.empty() || line.starts_with("//")) return;
-    if (line.front() == '#' || line.front() == '%') return take_comment(line);
-    const auto cells = cells_of(line);
-    if (!known_ && !number(cells.front())) {
+    if (const std::string_view crs = crs_in_comment(line); !crs.empty()) crs_ = declared_crs(crs, options_, context_);
+    if (says_nothing(line)) return;
+    const auto cells = cells_of(line, separator_of(line));
+    if (!known_ && !number_in(cells.front())) {
       // Names stand once, before all points; with `columns` given a line of them is passed over all the same.
-      if (const auto columns = columns_by_names(cells); columns && cloud_.points.empty()) {
+      if (const auto columns = three_columns(cells); columns && cloud_.points.empty()) {
         columns_ = *columns;
         known_ = true;
         return;
@@ -127,19 +89,14 @@ class Reader {
       bad_input(options_, "truncated", place,
                 "it has " + std::to_string(cells.size()) + " columns, and " + std::to_string(columns_.least()) +
                     " are needed; name them with columns, as in columns=PNEZD");
-    const auto x = number(cells[columns_.x]), y = number(cells[columns_.y]), z = number(cells[columns_.z]);
+    const auto x = number_in(cells[columns_.x]), y = number_in(cells[columns_.y]), z = number_in(cells[columns_.z]);
     if (!x || !y || !z) {
-      if (cloud_.points.empty() && columns_by_names(cells)) return;
+      if (cloud_.points.empty() && three_columns(cells)) return;
       bad_input(options_, "bad-number", place,
                 "a coordinate is not a finite number; name the columns with columns, as in columns=PNEZD");
     }
     check_count(options_, cloud_.points.size() + 1, options_.max_vertices, "points");
     cloud_.points.push_back({*x, *y, *z});
-  }
-
-  void take_comment(std::string_view line) {
-    const std::string_view text = trimmed(line.substr(1));
-    if (lower(text.substr(0, 4)) == "crs:") crs_ = declared_crs(trimmed(text.substr(4)), options_, context_);
   }
 
   Source source_;
@@ -159,10 +116,10 @@ bool is_table(std::string_view head) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = trimmed(text.substr(0, end));
     text = text.substr(std::min(end + 1, text.size()));
-    if (line.empty() || line.front() == '#' || line.front() == '%' || line.starts_with("//")) continue;
-    const auto cells = cells_of(line);
-    if (columns_by_names(cells)) return true;
-    return cells.size() >= 3 && std::all_of(cells.begin(), cells.begin() + 3, [](auto c) { return !!number(c); });
+    if (says_nothing(line)) continue;
+    const auto cells = cells_of(line, separator_of(line));
+    if (three_columns(cells)) return true;
+    return cells.size() >= 3 && std::all_of(cells.begin(), cells.begin() + 3, [](auto c) { return !!number_in(c); });
   }
   return false;
 }

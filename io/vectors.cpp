@@ -11,8 +11,9 @@ namespace {
 
 bool same_place(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; }
 
-/// Numbers separated by `mark` and blanks; none when something else stands there.
-std::optional<std::vector<double>> numbers(std::string_view text, char mark) {
+/// Numbers separated by commas, in one line also by blanks; none when something else stands there.
+std::optional<std::vector<double>> numbers(std::string_view text) {
+  const bool one_line = trimmed(text).find('\n') == std::string_view::npos;
   std::vector<double> values;
   const char *p = text.data(), *const end = p + text.size();
   for (;;) {
@@ -23,7 +24,8 @@ std::optional<std::vector<double>> numbers(std::string_view text, char mark) {
     values.push_back(value);
     p = skip_spaces(p, end);
     if (p == end) return values;
-    if (*p++ != mark) return {};
+    if (*p == ',') ++p;
+    else if (!one_line || !is_space(p[-1])) return {};
   }
 }
 
@@ -31,7 +33,7 @@ std::optional<std::vector<double>> numbers(std::string_view text, char mark) {
 std::optional<Line> coordinates(std::string_view text) {
   Line line;
   if (text.find(';') == std::string_view::npos) {
-    const auto values = numbers(text, ',');
+    const auto values = numbers(text);
     const bool pairs = values && values->size() % 2 == 0;
     for (std::size_t i = 0; pairs && i < values->size(); i += 2) line.push_back({(*values)[i], (*values)[i + 1], NAN});
     if (values) return pairs ? std::optional(line) : std::nullopt;
@@ -41,7 +43,7 @@ std::optional<Line> coordinates(std::string_view text) {
     const std::string_view point = trimmed(text.substr(0, end));
     text = text.substr(std::min(end + 1, text.size()));
     if (point.empty() && (text.empty() || !line.empty())) continue;
-    const auto values = numbers(point, ',');
+    const auto values = numbers(point);
     if (!values || values->size() < 2 || values->size() > 3) return {};
     line.push_back({(*values)[0], (*values)[1], values->size() == 3 ? (*values)[2] : NAN});
   }
@@ -122,6 +124,7 @@ std::optional<std::string> vector_format(std::string_view bytes) {
   if (text.starts_with('{')) return "geojson";
   if (is_dxf(text)) return "dxf";
   if (is_wkt(text)) return "wkt";
+  if (is_table(text)) return "table";
   if (coordinates(bytes)) return "coordinates";
   return {};
 }
@@ -130,8 +133,10 @@ Vectors read_vectors(std::string_view bytes, const std::string& name, Context& c
   const auto word = vector_format(bytes);
   if (!word)
     throw Error(ErrorKind::input, "unsupported-format",
-                name + ": it is none of GeoJSON, WKT, GeoPackage, zipped Shapefile, DXF, and no coordinates x,y;x,y");
+                name + ": it is none of GeoJSON, WKT, GeoPackage, zipped Shapefile, DXF, no table whose first line "
+                       "names x and y, and no coordinates x,y;x,y");
   if (*word == "geojson") return read_geojson(bytes, name);
+  if (*word == "table") return read_table(bytes, name, context);
   if (*word != "coordinates") return read_ogr_vectors(bytes, *word, name, context);
   Vectors vectors;
   Line line = *coordinates(bytes);
@@ -139,6 +144,23 @@ Vectors read_vectors(std::string_view bytes, const std::string& name, Context& c
   (line.size() == 1 ? feature.points : feature.lines.emplace_back()) = std::move(line);
   vectors.features.push_back(std::move(feature));
   return vectors;
+}
+
+Crs declared_crs(std::string_view definition, const std::string& name, Context& context) {
+  try {
+    return Crs::parse(definition);
+  } catch (const Error&) {
+    context.warn({"bad-crs", name, "",
+                  "the coordinate reference system that " + name + " declares is not understood",
+                  "say which one it is in with the parameter's -crs"});
+    return {};
+  }
+}
+
+void check_features(const Vectors& vectors, std::size_t most, const std::string& name) {
+  if (vectors.features.size() >= most)
+    throw Error(ErrorKind::limit, "too-many-features",
+                name + ": more than " + std::to_string(most) + " features; send those that count");
 }
 
 std::string write_vectors(const Vectors& vectors, std::string_view word) {

@@ -253,8 +253,8 @@ Response execute_on_surfaces(const Plan& plan, MemoryNeed& need, Context& contex
   need.count(surfaces);
   const Frame frame = common_frame(surfaces, plan, context);
   need.count(surfaces);  // rasters have faces now
-  Outcome outcome =
-      plan.operation->run(surfaces, {plan.parameters, vectors_in_frame(plan, frame.crs, context), frame.crs}, context);
+  const Values values = {plan.parameters, vectors_in_frame(plan, surfaces, frame.crs, context), frame.crs};
+  Outcome outcome = plan.operation->run(surfaces, values, context);
 
   Response response;
   response.media_type = media_type_of(plan.output_format);

@@ -40,8 +40,10 @@ void assign_crs(std::vector<Surface>& surfaces, const Plan& plan);
 Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& context);
 
 /// The vector parameters of a plan, decoded, in the frame's CRS. Where they are: what NAME-crs says, else what their
-/// bytes declare, else longitudes and latitudes for GeoJSON and the frame's own CRS for everything else.
-std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const Crs& frame, Context& context);
+/// bytes declare, else longitudes and latitudes for GeoJSON and the frame's own CRS for everything else. Where the frame
+/// has degrees they are laid over the surfaces by whole turns, as tiles are laid beside each other.
+std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const std::vector<Surface>& surfaces,
+                                                const Crs& frame, Context& context);
 
 Box box_of(const Surface& surface);
 

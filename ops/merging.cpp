@@ -6,6 +6,7 @@
 
 #include "core/box.hpp"
 #include "core/error.hpp"
+#include "ops/idle_parameters.hpp"
 #include "ops/input_format.hpp"
 #include "ops/measure.hpp"
 #include "ops/seams.hpp"
@@ -114,6 +115,9 @@ void check_merge(const nlohmann::json& parameters, const std::vector<InputPart>&
     throw Error(ErrorKind::usage, "blend-width", "overlap=blend needs blend-width, greater than 0");
   if (p.overlap == Overlap::blend && !(p.blend_tolerance.value > 0))
     throw Error(ErrorKind::usage, "blend-tolerance", "blend-tolerance must be greater than 0");
+  if (p.overlap != Overlap::blend)
+    refuse_idle<MergeParameters>(parameters, {"blend-width", "blend-side", "blend-tolerance"}, "overlap=blend");
+  if (p.seam != Seam::wall) refuse_idle<MergeParameters>(parameters, {"wall-offset"}, "seam=wall");
   if (levels > 0 && p.overlap != Overlap::min && p.overlap != Overlap::max)
     throw Error(ErrorKind::usage, "level-as-tile",
                 "a number as a tile is a level, which overlap=min and overlap=max know; overlap is '" +

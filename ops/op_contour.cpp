@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/contour.hpp"
+#include "ops/idle_parameters.hpp"
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
@@ -34,6 +35,7 @@ void check(const nlohmann::json& values, const std::vector<InputPart>&) {
     throw Error(ErrorKind::usage, p.interval ? "surplus-parameter" : "missing-parameter",
                 "'contour' takes either interval (with base) or levels" +
                     std::string(p.interval ? ", not both" : ": interval=10, or levels=90,95,100"));
+  if (!p.interval) refuse_idle<ContourParameters>(values, {"base"}, "interval");
   if (p.interval && !(p.interval->value > 0))
     throw Error(ErrorKind::usage, "bad-parameter", "parameter 'interval' is 0; it takes a length above 0");
 }

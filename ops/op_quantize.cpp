@@ -6,6 +6,7 @@
 #include "core/level_cuts.hpp"
 #include "core/volume.hpp"
 #include "ops/binary.hpp"
+#include "ops/idle_parameters.hpp"
 #include "ops/inputs.hpp"
 #include "ops/operations.hpp"
 
@@ -30,6 +31,7 @@ void check(const nlohmann::json& values, const std::vector<InputPart>&) {
     throw Error(ErrorKind::usage, p.interval ? "surplus-parameter" : "missing-parameter",
                 "'quantize' takes either interval (with base) or levels" +
                     std::string(p.interval ? ", not both" : ": interval=10, or levels=90,95,100"));
+  if (!p.interval) refuse_idle<QuantizeParameters>(values, {"base"}, "interval");
   if (p.interval && !(p.interval->value > 0))
     throw Error(ErrorKind::usage, "bad-parameter", "parameter 'interval' is 0; it takes a length above 0");
 }

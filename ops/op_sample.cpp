@@ -22,7 +22,8 @@ struct SampleParameters {
   void visit(Fields& f) {
     f.vectors(
         "points", points,
-        "The points: a file, WKT, or x,y;x,y. Of lines and polygons the corners are taken. Their properties stay.");
+        "The points: a file (a table with a line of names, too), WKT, or x,y;x,y. Of lines and polygons the corners are "
+        "taken. Their properties stay.");
     f.crs("points-crs", points_crs, "The CRS of the points, whatever they say themselves.");
   }
 };

@@ -45,7 +45,7 @@ struct EllipseParameters : RoundParameters {
     f.length("minor-axis", minor, {.minimum = 0},
              "The full length of the shorter axis. Metres where the CRS has degrees.");
     f.number("azimuth", azimuth, {}, "degrees",
-             "The direction of the longer axis, clockwise from north: 90 for one along x.");
+             "How far the ellipse is turned clockwise: at 0 the longer axis lies along x, at 90 along y.");
     visit_rest(f);
   }
 };
@@ -104,7 +104,7 @@ Outcome disc(const RoundParameters& p, const Length& major, const Length& minor,
 
 Outcome run_circle(std::vector<Surface>&, const CircleParameters& p, const Crs& crs, Context& context) {
   const Length diameter{2 * p.radius->value, p.radius->unit};
-  return disc(p, diameter, diameter, 90, crs, context);
+  return disc(p, diameter, diameter, 0, crs, context);
 }
 
 Outcome run_ellipse(std::vector<Surface>&, const EllipseParameters& p, const Crs& crs, Context& context) {
@@ -128,8 +128,9 @@ Operation synthesize_ellipse() {
   return operation<EllipseParameters>(
       {.id = "synthesize-ellipse",
        .title = "Make a level ellipse",
-       .description = "An ellipse around a centre, level at z: a polygon of corners evenly spread over its parameter, "
-                      "triangulated. Axes are full lengths. Nothing is read; crs says where it is.",
+       .description = "An ellipse around a centre, level at z: a polygon of corners evenly spread over its parameter, the "
+                      "first at the end of the longer axis, triangulated. Axes are full lengths, the longer one along x "
+                      "unless azimuth turns it. Nothing is read; crs says where it is.",
        .check = check_ellipse,
        .example = {.parameters = {{"center", "200,200"}, {"major-axis", "360"}, {"minor-axis", "180"}, {"z", "120"}}}},
       run_ellipse);

@@ -61,9 +61,12 @@ void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
 }
 
 void refuse_point_parameters(const TriangulateParameters& p) {
-  if (p.breaklines || p.boundary || p.max_edge.value > 0)
-    throw Error(ErrorKind::usage, "bad-parameter",
-                "breaklines, boundary and max-edge are for points; the input is a raster (clip cuts its TIN)");
+  const TriangulateParameters unsaid;
+  if (p.breaklines || p.boundary || p.max_edge.value > 0 || p.duplicates != unsaid.duplicates ||
+      p.classes != unsaid.classes || p.columns != unsaid.columns)
+    throw Error(ErrorKind::usage, "surplus-parameter",
+                "breaklines, boundary, max-edge, duplicates, classes and columns are for points; the input is a raster "
+                "(clip cuts its TIN)");
 }
 
 /// Leaves points out as far as max-error and max-triangles ask for it.

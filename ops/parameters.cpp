@@ -112,7 +112,9 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
     case Parameter::Type::numbers: return parse_numbers(text, p.name);
     case Parameter::Type::vectors:
       if (!vector_format(text))
-        refuse(p, text, "GeoJSON, WKT, a GeoPackage, a zipped Shapefile, DXF, or coordinates x,y;x,y");
+        refuse(p, text,
+               "GeoJSON, WKT, a GeoPackage, a zipped Shapefile, DXF, a table whose first line names x and y, or "
+               "coordinates x,y;x,y");
       return nullptr;  // what is kept of them is the plan's
     case Parameter::Type::json: return parse_json_value(text, p.schema, "parameter '" + p.name + "'");
     case Parameter::Type::crs:

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "io/text.hpp"
 #include "ops/input_format.hpp"
 #include "ops/operation.hpp"
 #include "ops/parameters.hpp"
@@ -77,6 +78,10 @@ nlohmann::json parse_parameters(Request& request, const Operation& operation, Pl
     }
     if (it->type == Parameter::Type::crs) check_crs(name, values[name], request, operation);
   }
+  for (const Parameter& p : all)
+    if (p.type == Parameter::Type::vectors && !seen.contains(p.name) && seen.contains(p.name + "-crs"))
+      throw Error(ErrorKind::usage, "surplus-parameter",
+                  "parameter '" + p.name + "-crs' says where '" + p.name + "' is, which is not given");
   if (const auto it = values.find("format"); it != values.end()) {
     if (request.format.empty()) request.format = *it;
     values.erase(it);
@@ -133,6 +138,7 @@ bool accepts(std::string type, const std::string& media_type) {
 
 /// Reports and pictures come in formats that are no formats of TINs, so file names are told apart here.
 std::string format_by_name(const std::string& file, ResultKind kind, const std::vector<std::string>& possible) {
+  if (lower(file).ends_with(".city.json")) return "city.json";  // which is not made, and no other JSON
   if (kind != ResultKind::surface) {
     const std::size_t dot = file.rfind('.');
     return dot == std::string::npos ? "" : file.substr(dot + 1);

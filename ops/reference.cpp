@@ -139,11 +139,13 @@ VALUE` or
 `--name=VALUE`; over HTTP it is a query parameter, a form field, or stands among the `inputs` of a JSON execute request.
 
 Vectors (regions, lines, points) are a file that the command line names or that HTTP sends as a part: GeoJSON, WKT, a
-GeoPackage, a zipped Shapefile, DXF; or they are written out, as WKT or as coordinates `x,y;x,y`. GeoJSON is longitude
-and
-latitude unless it carries a `crs` member; of other files the CRS they declare counts, and of what declares none that of
-the result, unless a parameter such as `region-crs` says it. Their corners are transformed; the lines between them are
-straight in the CRS of the result.
+GeoPackage, a zipped Shapefile, DXF, a table; or they are written out, as WKT or as coordinates `x,y;x,y`. GeoJSON is
+longitude and latitude unless it carries a `crs` member; of other files the CRS they declare counts, and of what declares
+none that of the result, unless a parameter such as `region-crs` says it. Their corners are transformed; the lines
+between them are straight in the CRS of the result. All layers of a file are taken, and all shapefiles of a zip file, in
+whatever folders. A table has a first line of names, `x` and `y` among them (or `easting`, `northing`, or `lon`, `lat`,
+which are then what they say), cells apart by semicolons, commas, tabs or blanks; a column `z` is a height, any other a
+property of its points. Places without properties are the corners of one line, as written-out coordinates are.
 
 The examples send files to a service that runs here (`terrane serve`): `west.tif` and `east.tif` are DEMs that overlap,
 `a.obj` and `b.obj` surfaces that are level at 0 and 255 with walls between, as `threshold` makes them.

@@ -121,8 +121,8 @@ def synthetic():
     row(made("rectangle", "`synthesize-rectangle`: a ramp", "synthesize-rectangle", *ramp, *edge, *crs, wires=True),
         made("circle", "`synthesize-circle`", "synthesize-circle", "--center", "500200,4500200", "--radius", 150, "--z", 120,
              *edge, *crs, wires=True))
-    row(made("ellipse", "`synthesize-ellipse azimuth=60`", "synthesize-ellipse", "--center", "500200,4500200",
-             "--major-axis", 360, "--minor-axis", 180, "--azimuth", 60, "--z", 120, *edge, *crs, wires=True),
+    row(made("ellipse", "`synthesize-ellipse azimuth=-30`", "synthesize-ellipse", "--center", "500200,4500200",
+             "--major-axis", 360, "--minor-axis", 180, "--azimuth", -30, "--z", 120, *edge, *crs, wires=True),
         made("polygon", "`synthesize-polygon`: a spline through ten points", "synthesize-polygon", "--points", star,
              "--samples", 120, "--z", 120, *edge, *crs, wires=True))
 

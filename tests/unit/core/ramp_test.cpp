@@ -59,6 +59,21 @@ TEST(Ramp, TheJumpIsASlopeWithinTheFacesTheBorderCuts) {
   EXPECT_NEAR(plan_area(sum.ramps), 16 - 2.5 * 2.5, 1);
 }
 
+TEST(Ramp, AlongTheBorderItHasTheHeightOfTheOverlap) {
+  const Tin bumpy = drawn("1352413\n4124352\n2531425\n1435214\n3215341\n4352143\n1423514");
+  const Tin small = drawn("27\n41", 2.5, {1.75, 1.75});
+  const Sampler z(ramped(bumpy, small).tin), a(bumpy), b(small);
+  constexpr double step = 1e-7;
+  for (double t = 1.76; t < 4.25; t += 0.037)
+    for (const auto& [in, out] : {std::pair<Point2, Point2>{{1.75 + step, t}, {1.75 - step, t}},
+                                  {{4.25 - step, t}, {4.25 + step, t}},
+                                  {{t, 1.75 + step}, {t, 1.75 - step}},
+                                  {{t, 4.25 - step}, {t, 4.25 + step}}}) {
+      EXPECT_NEAR(z(in), a(in) + b(in), 1e-12);
+      EXPECT_NEAR(z(out), a(in) + b(in), 1e-4);
+    }
+}
+
 TEST(Ramp, NoVertexIsMadeAndThoseOutsideKeepTheirHeights) {
   const Tin small = drawn("22\n22", 2.5, {1.75, 1.75});
   const Assembled sum = ramped(wide, small);

@@ -55,7 +55,7 @@ TEST(Synthesize, RectangleIsAPlaneOrARamp) {
 }
 
 TEST(Synthesize, CircleIsTheMethodsFormula) {
-  const auto ring = ellipse({0, 0}, 2, 2, 90, 20);
+  const auto ring = ellipse({0, 0}, 2, 2, 0, 20);
   for (int n = 0; n < 20; ++n) {
     EXPECT_NEAR(ring[n].x, std::cos(2 * std::numbers::pi * n / 20), 1e-15);
     EXPECT_NEAR(ring[n].y, std::sin(2 * std::numbers::pi * n / 20), 1e-15);
@@ -69,14 +69,14 @@ TEST(Synthesize, CircleIsTheMethodsFormula) {
   EXPECT_EQ(disc(3).faces.size(), 1u);
 }
 
-TEST(Synthesize, EllipseAxesAreFullLengthsAndAzimuthsRunClockwiseFromNorth) {
+TEST(Synthesize, EllipseAxesAreFullLengthsAndAzimuthsTurnItClockwiseFromX) {
   const auto at = [](double azimuth) { return ellipse({5, 5}, 6, 2, azimuth, 4); };
-  EXPECT_EQ(at(0), (std::vector<Point2>{{5, 8}, {4, 5}, {5, 2}, {6, 5}}));
-  EXPECT_EQ(at(90), (std::vector<Point2>{{8, 5}, {5, 6}, {2, 5}, {5, 4}}));
-  EXPECT_EQ(at(180), (std::vector<Point2>{{5, 2}, {6, 5}, {5, 8}, {4, 5}}));
+  EXPECT_EQ(at(0), (std::vector<Point2>{{8, 5}, {5, 6}, {2, 5}, {5, 4}}));
+  EXPECT_EQ(at(90), (std::vector<Point2>{{5, 2}, {6, 5}, {5, 8}, {4, 5}}));
+  EXPECT_EQ(at(180), (std::vector<Point2>{{2, 5}, {5, 4}, {8, 5}, {5, 6}}));
   EXPECT_EQ(at(-270), at(90));
-  EXPECT_NEAR(at(45)[0].x, 5 + 3 / std::numbers::sqrt2, 1e-15);
-  EXPECT_NEAR(at(45)[0].y, 5 + 3 / std::numbers::sqrt2, 1e-15);
+  EXPECT_NEAR(at(-45)[0].x, 5 + 3 / std::numbers::sqrt2, 1e-15);
+  EXPECT_NEAR(at(-45)[0].y, 5 + 3 / std::numbers::sqrt2, 1e-15);
 }
 
 TEST(Synthesize, SplineOfACircleIsNearlyOne) {

@@ -55,6 +55,39 @@ TEST(Vectors, WrittenOutCoordinatesAreALineOrAPoint) {
   EXPECT_FALSE(vector_format("/etc/passwd").has_value());
 }
 
+TEST(Vectors, BlanksDoForCommas) {
+  EXPECT_TRUE(same(read("1 2\n3\t4.5\n").lines().at(0), {{1, 2, NAN}, {3, 4.5, NAN}}));
+  EXPECT_TRUE(same(read("1 2 3\n4  5 6").lines().at(0), {{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_TRUE(same(read("1 2, 3 4").lines().at(0), {{1, 2, NAN}, {3, 4, NAN}}));
+  EXPECT_FALSE(vector_format("1-2").has_value());
+  EXPECT_FALSE(vector_format("1;2\n3;4").has_value());  // what is apart here, numbers or places?
+}
+
+TEST(Vectors, ATableOfPlacesIsALine) {
+  const Line two = {{1, 2, NAN}, {3, 4.5, NAN}};
+  for (const char* text : {"x,y\n1,2\n3,4.5\n", "Y;X\r\n2;1\r\n4.5;3", "# a comment\n\neasting\tnorthing\n1\t2\n3\t4.5",
+                           "\xEF\xBB\xBFLongitude Latitude\n 1 2\n3  4.5\n", "\"x\",\"y\"\n1,2\n3,4.5\n"})
+    EXPECT_TRUE(same(read(text).lines().at(0), two)) << text;
+  EXPECT_TRUE(same(read("X,Y,Z\n1,2,3\n4,5,\n").lines().at(0), {{1, 2, 3}, {4, 5, NAN}}));
+  EXPECT_TRUE(same(read("x,y\n1,2\n").features.at(0).points, {{1, 2, NAN}}));
+  EXPECT_TRUE(read("x,y\n").empty());
+  EXPECT_TRUE(read("lat,lon\n1,2\n").lonlat);
+  EXPECT_FALSE(read("x,lat\n1,2\n").lonlat);
+  EXPECT_EQ(read("# crs: EPSG:25831\nx,y\n1,2\n").crs.id(), "EPSG:25831");
+}
+
+TEST(Vectors, FurtherColumnsOfATableAreProperties) {
+  const Vectors v = read("id;Easting;note;Northing\n007;1;\"a;b \"\"c\"\"\";2\n8;3;;4.5;more\n");
+  ASSERT_EQ(v.features.size(), 2u);
+  EXPECT_TRUE(same(v.features[0].points, {{1, 2, NAN}}));
+  EXPECT_EQ(v.features[0].properties, (nlohmann::json{{"id", "007"}, {"note", "a;b \"c\""}}));
+  EXPECT_EQ(v.features[1].properties, (nlohmann::json{{"id", 8}, {"note", nullptr}}));
+  EXPECT_NE(refusal("x,y,k\n1,2,3\n4\n").find("line 3"), std::string::npos);
+  EXPECT_NE(refusal("x;y\n1,5;2\n").find("line 2"), std::string::npos);
+  EXPECT_NE(refusal("x,y,z\n1,2,nan\n"), "");
+  EXPECT_NE(refusal("name,size\n1,2\n"), "");
+}
+
 TEST(Vectors, GeoJsonComesBackExactly) {
   const std::string bytes = write_vectors(mixed(), "geojson");
   const Vectors back = read(bytes);
@@ -77,7 +110,7 @@ TEST(Vectors, GeoJsonOfEveryKindIsRead) {
   ASSERT_EQ(v.polygons().size(), 1u);
   EXPECT_EQ(v.polygons()[0].holes.size(), 1u);
   EXPECT_EQ(v.lines().size(), 4u);
-  EXPECT_TRUE(v.geojson);
+  EXPECT_TRUE(v.geojson && v.lonlat);
   EXPECT_FALSE(v.crs.known());
 }
 

@@ -183,6 +183,9 @@ TEST(SynthesizeOperations, CirclesAndEllipses) {
                                 {"samples", "1000"},
                                 {"crs", "local:m"}});
   EXPECT_NEAR(area(ellipse), 50 * std::numbers::pi, 0.01);
+  const Response along_x = run("synthesize-ellipse", {},
+                               {{"center", "0,0"}, {"major-axis", "20"}, {"minor-axis", "10"}, {"samples", "4"}});
+  EXPECT_NE(along_x.body.find("[10,0,0]"), std::string::npos) << along_x.body;
   EXPECT_EQ(refusal("synthesize-ellipse", {}, {{"center", "0,0"}, {"major-axis", "1"}, {"minor-axis", "2"}}).kind,
             ErrorKind::usage);
   const Response feet =

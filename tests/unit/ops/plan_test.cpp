@@ -74,6 +74,32 @@ TEST(Plan, AParameterTwiceIsRefused) {
   EXPECT_EQ(refusal(r).code, "repeated-parameter");
 }
 
+TEST(Plan, ParametersThatNothingComesOfAreRefused) {
+  using Values = std::vector<std::pair<std::string, std::string>>;
+  struct Case {
+    const char *operation, *slot;
+    Values meant, idle;
+  };
+  for (const auto& [operation, slot, meant, idle] : std::vector<Case>{
+           {"merge", "tiles", {{"overlap", "blend"}, {"blend-width", "2"}}, {{"blend-width", "2"}}},
+           {"seams", "tiles", {{"overlap", "mean"}}, {{"overlap", "mean"}, {"blend-side", "inside"}}},
+           {"merge", "tiles", {{"wall-offset", "1"}}, {{"wall-offset", "1"}, {"seam", "ramp"}}},
+           {"contour", "surface", {{"interval", "2"}, {"base", "1"}}, {{"levels", "1,2"}, {"base", "1"}}},
+           {"quantize", "surface", {{"levels", "1,2"}, {"base", "0"}}, {{"levels", "1,2"}, {"base", "1"}}},
+           {"clip",
+            "surface",
+            {{"region", "0,0;1,0;1,1"}, {"region-crs", "EPSG:25831"}},
+            {{"bbox", "0,0,1,1"}, {"region-crs", "EPSG:25831"}}}}) {
+    Request r = request(operation, {slot});
+    r.parameters = meant;
+    EXPECT_NO_THROW(plan(r)) << operation;
+    r.parameters = idle;
+    const Error e = refusal(r);
+    EXPECT_EQ(e.code, "surplus-parameter") << operation;
+    EXPECT_TRUE(says(e, idle.back().first) || says(e, idle.front().first)) << e.what();
+  }
+}
+
 TEST(Plan, InputsAreCounted) {
   EXPECT_EQ(refusal(request("subtract", {"minuend"})).code, "missing-input");
   EXPECT_EQ(refusal(request("subtract", {"minuend", "subtrahend", "subtrahend"})).code, "surplus-input");
@@ -124,6 +150,12 @@ TEST(Plan, AFormatThatCannotBeIsRefusedWithTheList) {
   e = refusal(r);
   EXPECT_EQ(http_status(e.kind), 406);
   EXPECT_TRUE(says(e, "model/obj")) << e.what();
+}
+
+TEST(Plan, CityJsonIsNoOtherJson) {
+  Request r = request("convert", {"surface"});
+  r.output_name = "Terrain.City.json";
+  EXPECT_TRUE(says(refusal(r), "'city.json'; formats are json, obj"));
 }
 
 TEST(Plan, ValidateReturnsASurfaceOnlyWhenItRepairs) {
