@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 
 #include "core/box.hpp"
@@ -96,17 +97,27 @@ Box reach_of(const std::vector<Point>& points) {
 Box reach_of(const Point& p) { return around(no_box, plan(p)); }
 Box reach_of(const Polygon& polygon) { return reach_of(polygon.outer); }
 
+/// Points and lines stay one each.
 template <class Shape>
 void lay_over(std::vector<Shape>& shapes, const Box& surfaces) {
-  std::vector<Shape> laid;
-  for (const Shape& shape : shapes) {
+  for (Shape& shape : shapes) {
     const Box box = reach_of(shape);
+    const std::vector<double> turns = turns_over(surfaces, box.xmin, box.xmax);
+    if (std::find(turns.begin(), turns.end(), 0) == turns.end()) turn(shape, turns.front());
+  }
+}
+
+/// An area is laid wherever it covers some of the surfaces.
+void lay_over(std::vector<Polygon>& polygons, const Box& surfaces) {
+  std::vector<Polygon> laid;
+  for (const Polygon& polygon : polygons) {
+    const Box box = reach_of(polygon);
     for (const double by : turns_over(surfaces, box.xmin, box.xmax)) {
-      laid.push_back(shape);
+      laid.push_back(polygon);
       if (by != 0) turn(laid.back(), by);
     }
   }
-  shapes = std::move(laid);
+  polygons = std::move(laid);
 }
 
 /// In longitudes 181 is -179.

@@ -89,7 +89,7 @@ class Vectors(unittest.TestCase):
             surface = "surface", File("a.obj", square_obj(x, -1, 4, 1))
             clipped = self.ask("clip", [surface, ("region", split)], 200, degrees + "&f=obj")
             self.assertAlmostEqual(plan_area(*read_obj(clipped.body)), 2)
-            rows = self.ask("sample", [surface, ("points", "-179,0;179,0;-90,0")], 200, degrees + "&f=csv").body
+            rows = self.ask("sample", [surface, ("points", "MULTIPOINT((-179 0),(179 0),(-90 0))")], 200, degrees + "&f=csv").body
             self.assertEqual([row.split(",")[-1] for row in rows.decode().split()], ["z", "1", "1", ""])
         east = "surface", File("a.obj", square_obj(350, -1, 20, 1))
         around = json.dumps({"type": "Polygon", "coordinates": [[[-5, 0], [5, 0], [5, 1], [-5, 1], [-5, 0]]]})
