@@ -16,7 +16,9 @@ class Kinetic {
   Kinetic(MeshEditor& editor, const std::function<ExactPlace(Index)>& place)
       : editor_(editor), place_(place), places_(editor.mesh().points, place) {}
 
-  void gather(const std::vector<Index>& bad) {
+  /// Puts the vertices of bad faces, and of every face that this spoils, back; false when there was none to put back.
+  bool gather(const std::vector<Index>& bad) {
+    const std::size_t before = places_.lifted().size();
     std::vector<Index> todo = bad;
     while (!todo.empty()) {
       const Index f = todo.back();
@@ -29,16 +31,19 @@ class Kinetic {
           todo.insert(todo.end(), star_.begin(), star_.end());
         }
     }
+    return places_.lifted().size() > before;
   }
 
   KineticMoves run(Context& context) {
     std::vector<Index> todo = nearest_first();
-    const Index count = static_cast<Index>(todo.size());
+    std::size_t known = todo.size();
     for (int round = 0; round < 5 && !todo.empty(); ++round) {
       std::vector<Index> rest;
       for (std::size_t i = 0; i < todo.size(); ++i) {
         if ((i & 4095) == 0) context.progress("rounding", static_cast<double>(i) / todo.size());
         if (alive(todo[i]) && !move(todo[i])) rest.push_back(todo[i]);
+        const std::vector<Index>& lifted = places_.lifted();
+        while (known < lifted.size()) todo.push_back(lifted[known++]);
       }
       if (rest.size() == todo.size()) break;
       todo = std::move(rest);
@@ -48,7 +53,7 @@ class Kinetic {
       if (!alive(v)) continue;
       if (place_(v).kind != ExactPlace::lattice) shift = std::max(shift, move_beside(v));
     }
-    return {count, shift};
+    return {static_cast<Index>(known), shift};
   }
 
  private:
@@ -140,6 +145,7 @@ class Kinetic {
   }
 
   /// Flips the edge opposite the middle vertex of one flat face. Faces around a vertex that is about to be merged wait.
+  /// The face across may be a bad one that was to be left to others: then its vertices join those that move.
   bool flip_one(const Leg& leg, Index meets) {
     for (std::size_t i = 0; i < events_.size(); ++i) {
       const Event& e = events_[i];
@@ -147,11 +153,12 @@ class Kinetic {
       MeshEditor::Quad quad;
       const int k = alignments_[i].middle;
       if (k == none) continue;
-      if (!editor_.quad(e.face, k, quad) || !leg.positive(e, {quad.u, quad.p, quad.w}) ||
-          !leg.positive(e, {quad.u, quad.w, quad.q}))
-        continue;
-      editor_.flip(e.face, k, quad);
-      return true;
+      if (!editor_.quad(e.face, k, quad)) continue;
+      if (leg.positive(e, {quad.u, quad.p, quad.w}) && leg.positive(e, {quad.u, quad.w, quad.q})) {
+        editor_.flip(e.face, k, quad);
+        return true;
+      }
+      if (gather({quad.g})) return true;
     }
     return false;
   }

@@ -60,17 +60,23 @@ class Keeper {
     return false;
   }
 
-  /// In at most so many merges: a vertex of the exterior may stand between. With `widening` they may also leave v with
-  /// faces of the exterior only, when one of these can go to the region next to it.
-  bool bring_back(Index v, bool widening, int merges = 2) {
-    for (const Candidate& c : beside(v)) {
-      if (c.exterior && merges == 1 && !widening) break;
-      const MeshEditor::Mark mark = editor_.mark();
-      if (merge(c.vertex, v) && sound(mark) &&
-          (labelled(v) || (merges > 1 && bring_back(v, widening, merges - 1)) || (widening && widen(v))))
-        return true;
-      editor_.undo(mark);
+  /// By a merge, after vertices of the exterior that stand between, however many, were merged into v as well. With
+  /// `widening` merges may also leave v with faces of the exterior only, when one of these can go to the region next to
+  /// it.
+  bool bring_back(Index v, bool widening) {
+    const MeshEditor::Mark start = editor_.mark();
+    for (bool nearer = true; nearer;) {
+      nearer = false;
+      for (const Candidate& c : beside(v)) {
+        const MeshEditor::Mark mark = editor_.mark();
+        if (merge(c.vertex, v) && sound(mark)) {
+          if (labelled(v) || (widening && widen(v))) return true;
+          if ((nearer = c.exterior)) break;
+        }
+        editor_.undo(mark);
+      }
     }
+    editor_.undo(start);
     return false;
   }
 

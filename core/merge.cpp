@@ -141,14 +141,19 @@ class Step {
     const int winner = a == none || (b != none && tile_wins(f)) ? 1 : 0;
     const Piece& from = winner == 0 ? near_ : tile_;
     const Index parent = winner == 0 ? a : b;
+    bool beaten = false;
     for (int k = 0; k < 3; ++k) {
-      result.surface.z.push_back(overlay_.height(winner, f, k));
-      result.surface.firm.push_back(is_firm(from, parent, (*points_)[overlay_.faces[f][k]]));
+      const Point2 at = (*points_)[overlay_.faces[f][k]];
+      const int shown = is_firm(from, parent, at) && is_beaten(winner, f, k) ? 1 - winner : winner;
+      beaten = beaten || shown != winner;
+      result.surface.z.push_back(overlay_.height(shown, f, k));
+      result.surface.firm.push_back(is_firm(shown == 0 ? near_ : tile_, overlay_.parents[f][shown], at));
     }
     // Of one cell is what lies on the same faces and has one winner.
-    result.cells.push_back(a == none || b == none ? from.cells[parent]
-                           : winner == 0          ? cells_.both(near_.cells[a], tile_.cells[b])
-                                                  : cells_.both(tile_.cells[b], near_.cells[a]));
+    result.cells.push_back(beaten                   ? cells_.fresh()
+                           : a == none || b == none ? from.cells[parent]
+                           : winner == 0            ? cells_.both(near_.cells[a], tile_.cells[b])
+                                                    : cells_.both(tile_.cells[b], near_.cells[a]));
     // What wins over a ramp need not win over what the ramp replaced.
     const bool over_ramp = winner == 1 && a != none && sets_.is_sloped(near_.contributors[a]);
     result.contributors.push_back(over_ramp ? sets_.sloped(from.contributors[parent]) : from.contributors[parent]);
@@ -218,6 +223,15 @@ class Step {
     double above = 0;
     for (int k = 0; k < 3; ++k) above += overlay_.height(1, f, k) - overlay_.height(0, f, k);
     return policy_ == Overlap::max ? above > 0 : above < 0;
+  }
+
+  /// Rounding may flip a sliver across the line where the two cross, along which heights change much: then the winner
+  /// is not the one to be seen at each of its own vertices. Crossings, which rounding moves, say nothing of that.
+  bool is_beaten(int winner, Index f, int k) const {
+    const auto [a, b] = overlay_.parents[f];
+    if (a == none || b == none || (policy_ != Overlap::min && policy_ != Overlap::max)) return false;
+    const double shown = overlay_.height(winner, f, k), hidden = overlay_.height(1 - winner, f, k);
+    return policy_ == Overlap::max ? hidden > shown : hidden < shown;
   }
 
   const Piece& near_;

@@ -439,6 +439,26 @@ TEST(Merge, ASliverThatRisesLittleAlongItsEdgesLiftsNoTerrain) {
   EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
 }
 
+TEST(Merge, ASliverFlippedAcrossTheLineWhereSurfacesCrossShowsEachWhereItIsHigher) {
+  const std::vector<Tin> tiles{
+      canonical(Tin{{{500000.03526269027, 4500005.078997138, -22.454359648064035},
+                     {500005.75608372001, 4500004.810185181, 50.399963007944756},
+                     {500004.3468100215, 4500001.2284062831, 50.692936267861363}},
+                    {{0, 2, 1}}}),
+      canonical(Tin{{{500004.00099999981, 4500003.0000005001, -89.473837080684433},
+                     {500004.66766633315, 4500003.0006671669, 516.37837405427024},
+                     {500005.00099949981, 4500003.0010005003, 320.76994833023031},
+                     {500005.66766583314, 4500003.0016671661, 231.94321760972718}},
+                    {{0, 3, 1}, {1, 3, 2}}}),
+      canonical(Tin{{{500004.66666666669, 4500003, 516.87837405427024},
+                     {500005, 4500003.333333333, 701.44979580042843},
+                     {500005, 4500003, 321.26994833023031}},
+                    {{0, 2, 1}}})};
+  const MergeOptions options{Overlap::max, {}};
+  Context context;
+  EXPECT_EQ(support::broken_promises(tiles, options, merge(tiles, options, context)), "");
+}
+
 TEST(AreaQuantile, ClosedFormOnATriangle) {
   const LinearPiece piece{2, {0, 1, 4}};
   EXPECT_EQ(area_at_most(piece, -1), 0);
