@@ -76,7 +76,7 @@ Jobs::Jobs(JobStore& store, const DataFolder& data, Workers& workers, Admission&
   });
 }
 
-/// What ends, hands back or forgets jobs has to be written on a full disk too: for this the reserve is kept.
+/// What takes, ends, hands back or forgets jobs has to be written on a full disk too: for this the reserve is kept.
 template <class Write>
 auto Jobs::write_down(const Write& write) {
   try {
@@ -167,7 +167,7 @@ void Jobs::run() {
       try {
         Context context;
         const Admission::Place place(admission_, context, Admission::Manner::patient);
-        const auto job = store_.take(server_, now());
+        const auto job = write_down([&] { return store_.take(server_, now()); });
         if (!job) break;
         work(*job);
       } catch (const std::exception& exception) {
@@ -213,6 +213,7 @@ void Jobs::work(const Job& job) {
 
 /// In a folder of this attempt's own: another server may think us lost and work on the same job.
 nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed) {
+  data_.require_reserve();  // or its results would leave no room to say how it ended
   const fs::path lasting = data_.job(job.id);
   const Folder folder(data_.work(random_id()));
   for (const auto& entry : fs::directory_iterator(lasting))
