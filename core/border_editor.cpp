@@ -2,18 +2,13 @@
 #include "core/border_editor.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 #include "core/box.hpp"
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 #include "core/rounding.hpp"
 
 namespace terrane {
-namespace {
-
-bool before(Point2 p, Point2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y); }
-
-}  // namespace
 
 bool meet(Point2 a, Point2 b, Point2 c, Point2 d) {
   const int abc = orientation(a, b, c), abd = orientation(a, b, d);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 #include "core/tin.hpp"
 
@@ -49,7 +50,6 @@ class ConvexTriangulator {
   }
 
  private:
-  static bool before(Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); }
   bool positive(int a, int b, int c) const { return orientation(at_[a], at_[b], at_[c]) > 0; }
 
   template <class Emit>

@@ -8,14 +8,13 @@
 #include <tuple>
 #include <utility>
 
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 #include "core/rounding.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
-
-bool before(Point2 p, Point2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y); }
 
 /// A segment in plan, from the end lower in x, then y.
 struct Segment {

@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <tuple>
 
 #include "core/exterior.hpp"
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {
 namespace {
-
-bool before(Point2 a, Point2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
 /// Up to two vertices on an edge, in the order along it as its first half-edge runs.
 struct OnEdge {
@@ -292,8 +290,7 @@ bool is_on(const CutMesh& cut, const Face& face, Index v) {
   return corner(made.p) && corner(made.q);
 }
 
-double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values,
-                Index v) {
+double value_on(const CutMesh& cut, const Array<Point2>& points, const Face& face, const double* values, Index v) {
   for (int k = 0; k < 3; ++k)
     if (face[k] == v) return values[k];
   if (v >= cut.first_made) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "core/place_order.hpp"
+
 namespace terrane {
 namespace {
 
@@ -66,8 +68,6 @@ Box with_faces(const Box& box, const Piece& piece) {
     if (const Box face = box_of(piece.surface, corners); touches(face, box)) all = joined(all, face);
   return all;
 }
-
-bool before(Point2 p, Point2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); }
 
 /// Moves the faces of `from` to the end of `to`, by place.
 void append(const Piece& from, Places& places, Piece& to) {

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 
 namespace terrane {
@@ -22,8 +22,6 @@ bool has_cells_in_parts(const Piece& piece) {
   std::sort(cells.begin(), cells.end());
   return std::adjacent_find(cells.begin(), cells.end()) != cells.end();
 }
-
-bool before(Point2 p, Point2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y); }
 
 bool is_in(Point2 p, Point2 a, Point2 b, Point2 c) {
   const int i = orientation(a, b, p), j = orientation(b, c, p), k = orientation(c, a, p);

@@ -8,6 +8,7 @@
 
 #include "core/box.hpp"
 #include "core/error.hpp"
+#include "core/place_order.hpp"
 #include "core/predicates.hpp"
 #include "core/rounding.hpp"
 #include "core/shortest.hpp"
@@ -96,8 +97,6 @@ void meetings(Point2 a0, Point2 a1, Point2 b0, Point2 b1, Visit visit) {
   if (t0 == 0 && between(b0, b1, a0)) visit(a0);
   if (t1 == 0 && between(b0, b1, a1)) visit(a1);
 }
-
-bool before(Point2 p, Point2 q) { return std::tie(p.x, p.y) < std::tie(q.x, q.y); }
 
 /// More than that is no map, and would fill the memory.
 constexpr std::size_t most_crossings = 10'000'000;
