@@ -31,6 +31,7 @@ tile east 500300 100.5
 "$terrane" threshold west.tif --level 110 -o a.obj --quiet
 "$terrane" threshold west.tif --level 120 -o b.obj --quiet
 
+: >"$work/address"  # the shell behind & may not have made it yet when it is first read
 "$terrane" serve --port 0 --data "$work/data" >"$work/address" 2>"$work/log" &
 service=$!
 base=
