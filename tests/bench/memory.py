@@ -197,8 +197,9 @@ def main():
     for fault in faults:
         print(fault, file=sys.stderr)
     if not options.points:
+        text = document(program, faces, cells, others)  # says whether the tree is as committed: before it is written to
         with open(os.path.join(ROOT, 'docs/memory.md'), 'w', encoding='utf-8') as file:
-            file.write(document(program, faces, cells, others))
+            file.write(text)
     return 1 if faults else 0
 
 
