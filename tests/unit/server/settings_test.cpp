@@ -95,11 +95,11 @@ TEST(Settings, EveryTypeIsRead) {
   EXPECT_EQ(options.data, "/x y");
   EXPECT_EQ(options.log_level, LogLevel::warning);
   const ServeOptions file = from_file(
-      "{\"allow-hosts\": [\"a.org\"], // one\n \"allow-anonymous\": true, \"max-body\": 7, \"job-memory\": \"64M\"}");
+      "{\"allow-hosts\": [\"a.org\"], // one\n \"allow-anonymous\": true, \"max-body\": 7, \"job-memory\": \"256M\"}");
   EXPECT_EQ(file.allow_hosts, std::vector<std::string>{"a.org"});
   EXPECT_TRUE(file.allow_anonymous);
   EXPECT_EQ(file.max_body, 7u);
-  EXPECT_EQ(file.job_memory, std::size_t{64} << 20);
+  EXPECT_EQ(file.job_memory, std::size_t{256} << 20);
 }
 
 TEST(Settings, ComplaintsSayWhereTheValueStands) {
