@@ -38,29 +38,48 @@ bool before(const Point& a, const Point& b) {
   return ordered(a.z) < ordered(b.z);
 }
 
-/// Three radix passes by the upper bits. Each range is counted and then moved by one thread.
+constexpr int radix_bits = 11, radix = 1 << radix_bits;
+int digit(Keyed k, int shift) { return static_cast<int>(k >> shift & (radix - 1)); }
+
+/// Sorts a bucket by its upper bits below the topmost, stably, in two passes: from `from` to `to` and back.
+void sort_bucket(Keyed* from, Keyed* to, std::size_t count) {
+  constexpr std::size_t few = 256;  // counting digits would cost more
+  if (count <= few) return std::sort(from, from + count);
+  std::array<Index, radix> low{}, high{};
+  for (std::size_t i = 0; i < count; ++i)
+    ++low[digit(from[i], index_bits)], ++high[digit(from[i], index_bits + radix_bits)];
+  std::exclusive_scan(low.begin(), low.end(), low.begin(), 0);
+  std::exclusive_scan(high.begin(), high.end(), high.begin(), 0);
+  for (std::size_t i = 0; i < count; ++i) to[low[digit(from[i], index_bits)]++] = from[i];
+  for (std::size_t i = 0; i < count; ++i) from[high[digit(to[i], index_bits + radix_bits)]++] = to[i];
+}
+
+/// Sorts by the upper bits, the lowest vertex first where they are the same: by the topmost into buckets, each range
+/// counted and moved by one thread, then within each bucket, which most often fits the cache.
 void sort_by_upper_bits(Array<Keyed>& keyed, const Context& context) {
-  constexpr int bits = 11, buckets = 1 << bits;
-  Array<Keyed> other(keyed.size());
+  constexpr int top = index_bits + 2 * radix_bits;
   const std::size_t chunk = chunk_for(context, keyed.size());
-  std::vector<std::array<Index, buckets>> starts(keyed.size() / chunk + 1);
-  for (int shift = index_bits; shift < 64; shift += bits) {
-    const auto bucket = [shift](Keyed k) { return k >> shift & (buckets - 1); };
-    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      auto& counts = starts[begin / chunk];
-      counts.fill(0);
-      for (std::size_t i = begin; i < end; ++i) ++counts[bucket(keyed[i])];
-    });
-    Index sum = 0;
-    for (int b = 0; b < buckets; ++b)
-      for (std::size_t begin = 0; begin < keyed.size(); begin += chunk)
-        sum += std::exchange(starts[begin / chunk][b], sum);
-    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      auto& next = starts[begin / chunk];
-      for (std::size_t i = begin; i < end; ++i) other[next[bucket(keyed[i])]++] = keyed[i];
-    });
-    keyed.swap(other);
+  std::vector<std::array<Index, radix>> starts(keyed.size() / chunk + 1);
+  parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ++starts[begin / chunk][digit(keyed[i], top)];
+  });
+  std::vector<Index> bucket(radix + 1, 0);
+  Index sum = 0;
+  for (int b = 0; b < radix; ++b) {
+    bucket[b] = sum;
+    for (auto& start : starts) sum += std::exchange(start[b], sum);
   }
+  bucket[radix] = sum;
+  Array<Keyed> moved(keyed.size());
+  parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) moved[starts[begin / chunk][digit(keyed[i], top)]++] = keyed[i];
+  });
+  constexpr std::size_t at_once = 32;
+  parallel_for(context, radix, at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b)
+      sort_bucket(moved.data() + bucket[b], keyed.data() + bucket[b], bucket[b + 1] - bucket[b]);
+  });
+  keyed.swap(moved);
 }
 
 /// Sorts the vertices from `begin` to `end`, which share their upper bits, by the whole key, then by coordinates.
@@ -77,15 +96,21 @@ void sort_alike(Keyed* begin, Keyed* end, const HilbertCurve& curve, const At& a
   for (const auto& [key, k] : whole) *begin++ = k;
 }
 
-/// The used vertices along the curve; those alike in all three coordinates next to each other.
-template <class At>
-Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Face> faces, const Context& context) {
+/// Which vertices some face has; faces whose first corner is none have none.
+std::vector<std::uint8_t> used_vertices(std::size_t vertices, std::span<const Face> faces, const Context& context) {
   std::vector<std::uint8_t> used(vertices, 0);
   parallel_for(context, faces.size(), chunk_for(context, faces.size()), [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       if (faces[f][0] != none)
         for (const Index v : faces[f]) std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
   });
+  return used;
+}
+
+/// The used vertices along the curve; those alike in all three coordinates next to each other.
+template <class At>
+Array<Keyed> curve_order(std::size_t vertices, const At& at, std::span<const Face> faces, const Context& context) {
+  const std::vector<std::uint8_t> used = used_vertices(vertices, faces, context);
   const std::size_t chunk = chunk_for(context, vertices);
   struct Part {
     Box box = no_box;
@@ -160,7 +185,7 @@ void sort_few(Face* begin, Face* end) {
 
 /// canonical() of vertices and faces wherever they lie; faces whose first corner is none are left out.
 template <class At>
-Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces, const Context& context) {
+Tin reordered(std::size_t vertices, const At& at, std::span<Face> faces, const Context& context) {
   const Array<Keyed> order = curve_order(vertices, at, faces, context);
   // Vertices alike in all coordinates become one: no order among them could be told from the surface.
   const auto fresh = [&](std::size_t i) {
@@ -209,6 +234,34 @@ Tin in_canonical_order(std::size_t vertices, const At& at, std::span<Face> faces
   return result;
 }
 
+/// Would canonical() change nothing? So it is with what it made, and with files of that. False, most often at once, of
+/// anything else, and where a coordinate is not finite.
+bool is_canonical(std::span<const Point> vertices, std::span<const Face> faces, const Context& context) {
+  std::atomic<bool> is = true;
+  parallel_for(context, faces.size(), chunk_for(context, faces.size()), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto [a, b, c] = faces[f];
+      if (a == none || faces[f] != from_lowest(a, b, c) || (f > 0 && faces[f] < faces[f - 1])) return is.store(false);
+    }
+  });
+  if (!is) return false;
+  const HilbertCurve curve(bounds(vertices, context));
+  const auto plain = [](double v) { return std::isfinite(v) && !(v == 0 && std::signbit(v)); };
+  parallel_for(context, vertices.size(), chunk_for(context, vertices.size()), [&](std::size_t begin, std::size_t end) {
+    std::uint64_t last = begin > 0 ? curve.key(vertices[begin - 1].x, vertices[begin - 1].y) : 0;
+    for (std::size_t v = begin; v < end; ++v) {
+      const Point& p = vertices[v];
+      const std::uint64_t key = curve.key(p.x, p.y);
+      if (!plain(p.x) || !plain(p.y) || !plain(p.z)) return is.store(false);
+      if (key < last || (key == last && v > 0 && !before(vertices[v - 1], p))) return is.store(false);
+      last = key;
+    }
+  });
+  if (!is) return false;
+  const std::vector<std::uint8_t> used = used_vertices(vertices.size(), faces, context);
+  return std::find(used.begin(), used.end(), 0) == used.end();
+}
+
 }  // namespace
 
 Box bounds(std::span<const Point> vertices, const Context& context) {
@@ -225,16 +278,21 @@ Box bounds(std::span<const Point> vertices, const Context& context) {
 Box bounds(const Tin& tin) { return bounds(tin.vertices, Context()); }
 
 Tin canonical(std::span<const Point> vertices, std::vector<Face> faces, const Context& context) {
-  return in_canonical_order(
+  if (is_canonical(vertices, faces, context)) return {{vertices.begin(), vertices.end()}, std::move(faces)};
+  return reordered(
       vertices.size(), [=](std::size_t v) { return vertices[v]; }, faces, context);
 }
 
-Tin canonical(Tin tin, const Context& context) { return canonical(tin.vertices, std::move(tin.faces), context); }
+Tin canonical(Tin tin, const Context& context) {
+  if (is_canonical(tin.vertices, tin.faces, context)) return tin;
+  return reordered(
+      tin.vertices.size(), [&](std::size_t v) { return tin.vertices[v]; }, tin.faces, context);
+}
 
 Tin canonical(std::span<const Point2> points, std::span<const double> z, std::span<Face> faces,
               const Context& context) {
   const auto at = [&](std::size_t v) { return Point{points[v].x, points[v].y, z[v]}; };
-  return in_canonical_order(points.size(), at, faces, context);
+  return reordered(points.size(), at, faces, context);
 }
 
 Tin canonical(Tin tin) { return canonical(std::move(tin), Context()); }

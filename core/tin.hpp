@@ -53,7 +53,8 @@ struct Box {
 Box bounds(const Tin& tin);
 
 /// The same surface in the one order that does not depend on the order given: vertices along a Hilbert curve of their
-/// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n).
+/// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n);
+/// a pass or two, and no other memory, where nothing is out of order.
 Tin canonical(Tin tin, const Context& context);
 Tin canonical(Tin tin);
 Tin canonical(std::span<const Point> vertices, std::vector<Face> faces, const Context& context);

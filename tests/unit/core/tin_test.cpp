@@ -87,6 +87,48 @@ TEST(Tin, CanonicalOrderDoesNotDependOnTheOrderGiven) {
   }
 }
 
+// What is in order already is given back as it is: nothing that is nearly so may be taken for it.
+TEST(Tin, CanonicalPutsRightTheLeastThingOutOfOrder) {
+  std::mt19937 random(6);
+  Tin tin = grid(12, random);
+  tin.vertices[5].z = tin.vertices[100].z = 0;
+  tin.vertices.push_back(tin.vertices[143]);  // a wall's upper end at the place of its lower one
+  tin.vertices.back().z += 1;
+  tin.faces.push_back({143, 144, 142});
+  const Tin once = canonical(tin);
+  const auto swapped = [](Tin t, Index v, Index w) {
+    std::swap(t.vertices[v], t.vertices[w]);
+    for (Face& f : t.faces)
+      for (Index& corner : f) corner = corner == v ? w : corner == w ? v : corner;
+    return t;
+  };
+  for (Index v = 1; v < static_cast<Index>(once.vertices.size()); ++v) {
+    Tin nearly = swapped(once, v - 1, v);
+    EXPECT_TRUE(same_bytes(canonical(nearly), once));
+    for (Face& f : nearly.faces) std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+    std::sort(nearly.faces.begin(), nearly.faces.end());  // only the vertices are out of order
+    EXPECT_TRUE(same_bytes(canonical(nearly), once));
+  }
+  for (std::size_t f = 1; f < once.faces.size(); ++f) {
+    Tin turned = once, exchanged = once;
+    std::rotate(turned.faces[f].begin(), turned.faces[f].begin() + 1, turned.faces[f].end());
+    std::swap(exchanged.faces[f - 1], exchanged.faces[f]);
+    EXPECT_TRUE(same_bytes(canonical(turned), once));
+    EXPECT_TRUE(same_bytes(canonical(exchanged), once));
+  }
+  Tin unused = once, negative = once, alike = once;
+  unused.vertices.push_back(unused.vertices.back());
+  unused.vertices.back().z += 1;
+  EXPECT_TRUE(same_bytes(canonical(unused), once));
+  for (Point& p : negative.vertices)
+    if (p.z == 0) p.z = -0.0;
+  EXPECT_TRUE(same_bytes(canonical(negative), once));
+  alike.vertices.push_back(alike.vertices.back());
+  for (Face& f : alike.faces)
+    if (f[2] + 2 == static_cast<Index>(alike.vertices.size())) ++f[2];
+  EXPECT_TRUE(same_bytes(canonical(alike), once));
+}
+
 TEST(Tin, CanonicalFacesStartLowAndAreSorted) {
   std::mt19937 random(2);
   const Tin tin = canonical(shuffled(grid(20, random), random));
