@@ -39,11 +39,11 @@ bool before(const Point& a, const Point& b) {
 }
 
 constexpr int radix_bits = 11, radix = 1 << radix_bits;
+constexpr std::size_t few = 256;  // vertices that are sorted in less time than digits are counted
 int digit(Keyed k, int shift) { return static_cast<int>(k >> shift & (radix - 1)); }
 
 /// Sorts a bucket by its upper bits below the topmost, stably, in two passes: from `from` to `to` and back.
 void sort_bucket(Keyed* from, Keyed* to, std::size_t count) {
-  constexpr std::size_t few = 256;  // counting digits would cost more
   if (count <= few) return std::sort(from, from + count);
   std::array<Index, radix> low{}, high{};
   for (std::size_t i = 0; i < count; ++i)
@@ -57,6 +57,7 @@ void sort_bucket(Keyed* from, Keyed* to, std::size_t count) {
 /// Sorts by the upper bits, the lowest vertex first where they are the same: by the topmost into buckets, each range
 /// counted and moved by one thread, then within each bucket, which most often fits the cache.
 void sort_by_upper_bits(Array<Keyed>& keyed, const Context& context) {
+  if (keyed.size() <= few) return std::sort(keyed.begin(), keyed.end());
   constexpr int top = index_bits + 2 * radix_bits;
   const std::size_t chunk = chunk_for(context, keyed.size());
   std::vector<std::array<Index, radix>> starts(keyed.size() / chunk + 1);
