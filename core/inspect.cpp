@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/array.hpp"
-#include "core/box.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
@@ -120,23 +117,6 @@ class BorderRings {
   std::vector<Leaving> leaving_;
 };
 
-void measure_heights(const Tin& tin, Inspection& result, const Context& context) {
-  if (tin.vertices.empty()) return;
-  const std::size_t n = tin.vertices.size(), chunk = chunk_for(context, n);
-  std::vector<std::pair<double, double>> ranges(n / chunk + 1, {tin.vertices[0].z, tin.vertices[0].z});
-  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
-    auto [low, high] = ranges[begin / chunk];
-    for (std::size_t v = begin; v < end; ++v)
-      low = std::min(low, tin.vertices[v].z), high = std::max(high, tin.vertices[v].z);
-    ranges[begin / chunk] = {low, high};
-  });
-  result.zmin = result.zmax = tin.vertices[0].z;
-  for (const auto& [low, high] : ranges) {
-    result.zmin = std::min(result.zmin, low);
-    result.zmax = std::max(result.zmax, high);
-  }
-}
-
 /// The components and holes of a sound surface by its border alone: where no place has two edges of it leaving, each of
 /// its rings is the outer one of a component or that of a hole. False, and nothing counted, where some place has.
 bool count_rings(const Tin& tin, std::vector<BorderHalfEdge> border, Inspection& result) {
@@ -201,8 +181,6 @@ Inspection inspect(const Tin& tin, const Context& context) {
   Inspection result;
   result.vertices = tin.vertices.size();
   result.faces = tin.faces.size();
-  result.box = bounds(tin.vertices, context);
-  measure_heights(tin, result, context);
   if (inspect_sound(tin, result, context)) return result;
   const PlanTopology topology = plan_topology(tin, context);
   result.non_manifold_edges = topology.crowded.size();

@@ -204,13 +204,6 @@ void draw_wires(const Tin& tin, const ShadeOptions& options, Picture& picture, C
 
 }  // namespace
 
-HeightSpan height_span(const Tin& tin) {
-  if (tin.vertices.empty()) return {};
-  HeightSpan span{INFINITY, -INFINITY};
-  for (const Point& p : tin.vertices) span = {std::min(span.low, p.z), std::max(span.high, p.z)};
-  return span;
-}
-
 Picture hillshade(const Tin& tin, const ShadeOptions& options, Context& context) {
   if (options.size < 1 || options.size > largest_size) {
     throw Error(ErrorKind::usage, "picture-size",

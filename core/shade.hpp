@@ -27,10 +27,4 @@ struct ShadeOptions {
 /// up to 6 times as steep as it is, steep relief as it is. An empty TIN has a picture of 0 x 0. O(faces + pixels).
 Picture hillshade(const Tin& tin, const ShadeOptions& options, Context& context);
 
-/// The lowest and the highest vertex; both 0 for an empty TIN.
-struct HeightSpan {
-  double low = 0, high = 0;
-};
-HeightSpan height_span(const Tin& tin);
-
 }  // namespace terrane

@@ -38,49 +38,31 @@ bool before(const Point& a, const Point& b) {
   return ordered(a.z) < ordered(b.z);
 }
 
-constexpr int radix_bits = 11, radix = 1 << radix_bits;
-constexpr std::size_t few = 256;  // vertices that are sorted in less time than digits are counted
-int digit(Keyed k, int shift) { return static_cast<int>(k >> shift & (radix - 1)); }
-
-/// Sorts a bucket by its upper bits below the topmost, stably, in two passes: from `from` to `to` and back.
-void sort_bucket(Keyed* from, Keyed* to, std::size_t count) {
-  if (count <= few) return std::sort(from, from + count);
-  std::array<Index, radix> low{}, high{};
-  for (std::size_t i = 0; i < count; ++i)
-    ++low[digit(from[i], index_bits)], ++high[digit(from[i], index_bits + radix_bits)];
-  std::exclusive_scan(low.begin(), low.end(), low.begin(), 0);
-  std::exclusive_scan(high.begin(), high.end(), high.begin(), 0);
-  for (std::size_t i = 0; i < count; ++i) to[low[digit(from[i], index_bits)]++] = from[i];
-  for (std::size_t i = 0; i < count; ++i) from[high[digit(to[i], index_bits + radix_bits)]++] = to[i];
-}
-
-/// Sorts by the upper bits, the lowest vertex first where they are the same: by the topmost into buckets, each range
-/// counted and moved by one thread, then within each bucket, which most often fits the cache.
+/// Three radix passes by the upper bits. Each range is counted and then moved by one thread.
 void sort_by_upper_bits(Array<Keyed>& keyed, const Context& context) {
+  constexpr std::size_t few = 256;  // sorted in less time than buckets are cleared
   if (keyed.size() <= few) return std::sort(keyed.begin(), keyed.end());
-  constexpr int top = index_bits + 2 * radix_bits;
+  constexpr int bits = 11, buckets = 1 << bits;
+  Array<Keyed> other(keyed.size());
   const std::size_t chunk = chunk_for(context, keyed.size());
-  std::vector<std::array<Index, radix>> starts(keyed.size() / chunk + 1);
-  parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) ++starts[begin / chunk][digit(keyed[i], top)];
-  });
-  std::vector<Index> bucket(radix + 1, 0);
-  Index sum = 0;
-  for (int b = 0; b < radix; ++b) {
-    bucket[b] = sum;
-    for (auto& start : starts) sum += std::exchange(start[b], sum);
+  std::vector<std::array<Index, buckets>> starts(keyed.size() / chunk + 1);
+  for (int shift = index_bits; shift < 64; shift += bits) {
+    const auto bucket = [shift](Keyed k) { return k >> shift & (buckets - 1); };
+    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+      auto& counts = starts[begin / chunk];
+      counts.fill(0);
+      for (std::size_t i = begin; i < end; ++i) ++counts[bucket(keyed[i])];
+    });
+    Index sum = 0;
+    for (int b = 0; b < buckets; ++b)
+      for (std::size_t begin = 0; begin < keyed.size(); begin += chunk)
+        sum += std::exchange(starts[begin / chunk][b], sum);
+    parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
+      auto& next = starts[begin / chunk];
+      for (std::size_t i = begin; i < end; ++i) other[next[bucket(keyed[i])]++] = keyed[i];
+    });
+    keyed.swap(other);
   }
-  bucket[radix] = sum;
-  Array<Keyed> moved(keyed.size());
-  parallel_for(context, keyed.size(), chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) moved[starts[begin / chunk][digit(keyed[i], top)]++] = keyed[i];
-  });
-  constexpr std::size_t at_once = 32;
-  parallel_for(context, radix, at_once, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      sort_bucket(moved.data() + bucket[b], keyed.data() + bucket[b], bucket[b + 1] - bucket[b]);
-  });
-  keyed.swap(moved);
 }
 
 /// Sorts the vertices from `begin` to `end`, which share their upper bits, by the whole key, then by coordinates.
@@ -277,6 +259,13 @@ Box bounds(std::span<const Point> vertices, const Context& context) {
 }
 
 Box bounds(const Tin& tin) { return bounds(tin.vertices, Context()); }
+
+HeightSpan height_span(const Tin& tin) {
+  if (tin.vertices.empty()) return {};
+  HeightSpan span{INFINITY, -INFINITY};
+  for (const Point& p : tin.vertices) span = {std::min(span.low, p.z), std::max(span.high, p.z)};
+  return span;
+}
 
 Tin canonical(std::span<const Point> vertices, std::vector<Face> faces, const Context& context) {
   if (is_canonical(vertices, faces, context)) return {{vertices.begin(), vertices.end()}, std::move(faces)};

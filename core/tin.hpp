@@ -52,6 +52,12 @@ struct Box {
 /// The smallest box around all vertices in plan; inverted infinities for an empty TIN.
 Box bounds(const Tin& tin);
 
+/// The lowest and the highest vertex; both 0 for an empty TIN.
+struct HeightSpan {
+  double low = 0, high = 0;
+};
+HeightSpan height_span(const Tin& tin);
+
 /// The same surface in the one order that does not depend on the order given: vertices along a Hilbert curve of their
 /// plan position (ties by z), faces starting at their lowest vertex and sorted, unused vertices dropped. O(n log n);
 /// a pass or two, and no other memory, where nothing is out of order.

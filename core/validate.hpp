@@ -49,8 +49,6 @@ struct Inspection {
   std::size_t non_manifold_edges = 0;              // plan edges with more than two faces, or two on one side
   std::size_t overlaps = 0;                        // 0 when the border winds around every place at most once
   std::size_t components = 0, holes = 0;           // of the domain in plan, joined over shared edges; holes of all components
-  double zmin = 0, zmax = 0;
-  Box box{};
 };
 Inspection inspect(const Tin& tin, const Context& context = {});
 

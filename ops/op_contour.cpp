@@ -40,23 +40,13 @@ void check(const nlohmann::json& values, const std::vector<InputPart>&) {
     throw Error(ErrorKind::usage, "bad-parameter", "parameter 'interval' is 0; it takes a length above 0");
 }
 
-struct HeightSpan {
-  double low = INFINITY, high = -INFINITY;
-};
-
-HeightSpan heights_of(const Tin& tin) {
-  HeightSpan span;
-  for (const Point& p : tin.vertices) span = {std::min(span.low, p.z), std::max(span.high, p.z)};
-  return span;
-}
-
 /// Ascending, each once.
 std::vector<double> levels_of(const ContourParameters& p, const Surface& surface) {
   std::vector<double> levels = p.levels;
   if (p.interval) {
     const double unit = surface.crs.known() ? surface.crs.metres_per_height_unit() : 1.0;
     const double interval = p.interval->in(unit), base = p.base.in(unit);
-    const HeightSpan span = heights_of(surface.tin());
+    const HeightSpan span = height_span(surface.tin());
     const double first = std::ceil((span.low - base) / interval), last = std::floor((span.high - base) / interval);
     if (!(last - first < most_levels) || std::fabs(first) > 1e15 || std::fabs(last) > 1e15)
       throw Error(ErrorKind::input, "too-many-levels",
@@ -75,7 +65,7 @@ Outcome run(std::vector<Surface>& inputs, const ContourParameters& p, Context& c
   const std::vector<double> levels = levels_of(p, surface);
   std::vector<Contour> lines = contours(surface.tin(), levels, context);
   if (lines.empty()) {
-    const HeightSpan span = heights_of(surface.tin());
+    const HeightSpan span = height_span(surface.tin());
     context.warn({"no-contours", surface.name, "",
                   "no level is passed: the heights of '" + surface.name + "' are " + nlohmann::json(span.low).dump() +
                       " to " + nlohmann::json(span.high).dump(),

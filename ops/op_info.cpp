@@ -45,9 +45,10 @@ Outcome run(std::vector<Surface>& inputs, const InfoParameters&, Context& contex
                              {"non_manifold_edges", seen.non_manifold_edges},
                              {"overlaps", seen.overlaps}}}};
   if (!tin.vertices.empty()) {
-    report["extent"] = {
-        {"xmin", seen.box.xmin}, {"ymin", seen.box.ymin}, {"xmax", seen.box.xmax}, {"ymax", seen.box.ymax}};
-    report["height_range"] = {seen.zmin, seen.zmax};
+    const Box box = bounds(tin);
+    const HeightSpan heights = height_span(tin);
+    report["extent"] = {{"xmin", box.xmin}, {"ymin", box.ymin}, {"xmax", box.xmax}, {"ymax", box.ymax}};
+    report["height_range"] = {heights.low, heights.high};
   }
   const Outline border = outline(tin, surface.crs);
   report["border"] = {{"edges", border.edges}, {"loops", border.loops}, {"length", border.length}};

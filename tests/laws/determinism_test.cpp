@@ -55,7 +55,7 @@ class Bytes {
   Bytes& operator<<(const Assembled& a) { return *this << a.tin << a.rounding << a.wall_area << a.max_closed_jump; }
   Bytes& operator<<(const Inspection& i) {
     return *this << i.vertices << i.faces << i.walls << i.inverted << i.degenerate << i.t_junctions
-                 << i.non_manifold_edges << i.overlaps << i.components << i.holes << i.zmin << i.zmax;
+                 << i.non_manifold_edges << i.overlaps << i.components << i.holes;
   }
   Bytes& operator<<(const VolumeSide& s) { return *this << s.volume << s.area_2d << s.area_3d << s.max_dz; }
   Bytes& operator<<(const Volume& v) {
