@@ -74,8 +74,7 @@ class Folder {
     }
     ground.area = [&](Index input, Index face) {
       const Tin& tin = input == 0 ? a : b;
-      const Face& f = tin.faces[face];
-      return area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]]));
+      return area2_accurate(tin, tin.faces[face]);
     };
     return ramp(by_corner(), ground, Meeting::mean, context);
   }

@@ -43,6 +43,11 @@ inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
 /// The same with a relative error of 3e-16; several times slower on well-shaped triangles.
 double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c);
 
+/// Of a face in plan.
+inline double area2_accurate(const Tin& tin, const Face& f) {
+  return area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]]));
+}
+
 /// The sign of a * b - c * d for non-negative factors, exact but for underflow.
 inline int compare_products(double a, double b, double c, double d) {
   const double l = a * b, r = c * d;

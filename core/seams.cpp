@@ -69,7 +69,7 @@ double tile_area(const Tin& tin) {
   Sum area;
   for (const Face& f : tin.faces)
     if (!is_wall(tin, f))
-      area.add(0.5 * area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]])));
+      area.add(0.5 * area2_accurate(tin, f));
   return area.value();
 }
 

@@ -44,8 +44,7 @@ HeightFold difference_of_heights(Outside outside) {
 bool larger_than(const Tin& tin, double bound) {
   double sum = 0;
   for (const Face& f : tin.faces) {
-    sum += 0.5 *
-           std::max(0.0, area2_accurate(plan(tin.vertices[f[0]]), plan(tin.vertices[f[1]]), plan(tin.vertices[f[2]])));
+    sum += 0.5 * std::max(0.0, area2_accurate(tin, f));
     if (sum > bound) return true;
   }
   return false;
