@@ -59,9 +59,7 @@ void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
 std::vector<VolumeRow> rows_of(const Tin& surface, const Tin* reference, const std::vector<double>& levels,
                                const VolumeMeasure& measure, Context& context) {
   if (reference) return {measure.between(surface, *reference, context)};
-  std::vector<VolumeRow> rows;
-  for (const double level : levels) rows.push_back(measure.at_level(surface, level, context));
-  return rows;
+  return measure.at_levels(surface, levels, context);
 }
 
 /// What the surface is measured against.
