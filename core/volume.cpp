@@ -2,9 +2,9 @@
 #include "core/volume.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/area_weights.hpp"
+#include "core/level_order.hpp"
 #include "core/parallel.hpp"
 #include "core/sum.hpp"
 #include "core/volume_sum.hpp"
@@ -83,11 +83,8 @@ Volume volume(const Tin& surface, double level, double tolerance, const AreaScal
 std::vector<Volume> volumes(const Tin& surface, std::span<const double> levels, double tolerance,
                             const AreaScale& scale, Context& context) {
   const AreaWeights weights(scale, bounds(surface));
-  const std::size_t n = levels.size();
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return levels[i] < levels[j]; });
-  const auto level = [&](std::size_t i) { return levels[order[i]]; };
+  const LevelOrder level(levels);
+  const std::size_t n = level.size();
   std::vector<VolumeSum> sums(n, VolumeSum(weights, tolerance));
   // What lies above a level as a whole lies above all lower ones, further by the step: it is added to one of them.
   std::vector<VolumeSum::Wholes> above(n), below(n);
@@ -96,31 +93,26 @@ std::vector<Volume> volumes(const Tin& surface, std::span<const double> levels, 
     if (is_wall(surface, surface.faces[f])) continue;
     const auto face = VolumeSum::face(corners(surface, surface.faces[f]), heights(surface, surface.faces[f]), weights);
     const auto [low, high] = std::minmax({face.z[0], face.z[1], face.z[2]});
-    const auto count = [&](const auto& is) {
-      return static_cast<std::size_t>(
-          std::partition_point(order.begin(), order.end(), [&](auto i) { return is(levels[i]); }) - order.begin());
-    };
-    const auto first = count([&](double l) { return low - l >= tolerance && high - l > tolerance; });
-    const auto last = count([&](double l) { return !(high - l <= -tolerance && low - l < -tolerance); });
+    const auto [first, last] = level.span(low, high, tolerance);
     for (std::size_t i = first > 0 ? first - 1 : 0; i < std::min(last + 1, n); ++i)
-      sums[i].add(face, {level(i), level(i), level(i)});
-    if (first > 1) above[first - 1].add(face, level(first - 1));
-    if (last + 1 < n) below[last].add(face, level(last));
+      sums[i].add(face, {level[i], level[i], level[i]});
+    if (first > 1) above[first - 1].add(face, level[first - 1]);
+    if (last + 1 < n) below[last].add(face, level[last]);
   }
   for (std::size_t i = n; i-- > 1;) {
     VolumeSum::Wholes higher;
-    higher.add(above[i], level(i) - level(i - 1));
-    sums[i - 1].add_above(higher, level(i - 1));
+    higher.add(above[i], level[i] - level[i - 1]);
+    sums[i - 1].add_above(higher, level[i - 1]);
     above[i - 1].add(higher, 0);
   }
   for (std::size_t i = 1; i < n; ++i) {
     VolumeSum::Wholes lower;
-    lower.add(below[i - 1], level(i) - level(i - 1));
-    sums[i].add_below(lower, level(i));
+    lower.add(below[i - 1], level[i] - level[i - 1]);
+    sums[i].add_below(lower, level[i]);
     below[i].add(lower, 0);
   }
   std::vector<Volume> volumes(n);
-  for (std::size_t i = 0; i < n; ++i) volumes[order[i]] = sums[i].result();
+  for (std::size_t i = 0; i < n; ++i) volumes[level.in_list(i)] = sums[i].result();
   return volumes;
 }
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
+#include "core/level_order.hpp"
 #include "core/overlay.hpp"
 #include "ops/volume_report.hpp"
 
@@ -37,10 +37,8 @@ void add_face(SpaceAreas& areas, double area, const std::array<double, 3>& dz, d
 
 std::vector<SpaceAreas> space_areas(const Tin& surface, const std::vector<double>& levels, double tolerance,
                                     const Crs& crs, const AreaScale& scale) {
-  const std::size_t n = levels.size();
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return levels[i] < levels[j]; });
+  const LevelOrder level(levels);
+  const std::size_t n = level.size();
   std::vector<SpaceAreas> areas(n);
   std::vector<double> above(n, 0), below(n, 0);  // of what lies above a level as a whole, and so above all lower ones
   std::array<Point, 3> p;
@@ -49,21 +47,14 @@ std::vector<SpaceAreas> space_areas(const Tin& surface, const std::vector<double
     for (int k = 0; k < 3; ++k) p[k] = surface.vertices[f[k]];
     const double area = area_of(p, crs, scale);
     const auto [low, high] = std::minmax({p[0].z, p[1].z, p[2].z});
-    const auto count = [&](const auto& is) {
-      return static_cast<std::size_t>(
-          std::partition_point(order.begin(), order.end(), [&](auto i) { return is(levels[i]); }) - order.begin());
-    };
-    const auto first = count([&](double l) { return low - l >= tolerance && high - l > tolerance; });
-    const auto last = count([&](double l) { return !(l - high >= tolerance && l - low > tolerance); });
-    for (std::size_t i = first > 0 ? first - 1 : 0; i < std::min(last + 1, n); ++i) {
-      const double level = levels[order[i]];
-      add_face(areas[order[i]], area, {p[0].z - level, p[1].z - level, p[2].z - level}, tolerance);
-    }
+    const auto [first, last] = level.span(low, high, tolerance);
+    for (std::size_t i = first > 0 ? first - 1 : 0; i < std::min(last + 1, n); ++i)
+      add_face(areas[level.in_list(i)], area, {p[0].z - level[i], p[1].z - level[i], p[2].z - level[i]}, tolerance);
     if (first > 1) above[first - 1] += area;
     if (last + 1 < n) below[last] += area;
   }
-  for (std::size_t i = n; i-- > 1; above[i - 1] += above[i]) areas[order[i - 1]].fill += above[i];
-  for (std::size_t i = 1; i < n; below[i] += below[i - 1], ++i) areas[order[i]].cut += below[i - 1];
+  for (std::size_t i = n; i-- > 1; above[i - 1] += above[i]) areas[level.in_list(i - 1)].fill += above[i];
+  for (std::size_t i = 1; i < n; below[i] += below[i - 1], ++i) areas[level.in_list(i)].cut += below[i - 1];
   return areas;
 }
 

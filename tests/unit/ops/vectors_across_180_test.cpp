@@ -103,8 +103,7 @@ TEST(VectorsAcross180, WhatAProjectionTearsApartIsRefused) {
     EXPECT_EQ(error.code, "outside-crs");
     EXPECT_NE(std::string(error.what()).find("between 179.8, -17.0 and 180.1, -17.0"), std::string::npos);
   }
-  EXPECT_EQ(area(clipped(mercator, {{179.8, 180}, {-180, -179.9}})),
-            area(clipped(mercator, {{179.8, 180}})));
+  EXPECT_EQ(area(clipped(mercator, {{179.8, 180}, {-180, -179.9}})), area(clipped(mercator, {{179.8, 180}})));
   // The whole globe is in one piece.
   EXPECT_GT(area(clipped(mercator, {{-180, 180}})), area(clipped(mercator, {{179.8, 180}})));
 }

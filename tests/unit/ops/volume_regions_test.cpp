@@ -168,10 +168,10 @@ TEST(VolumeRegions, WhatSeveralHaveInCommonIsCutOutOnce) {
 }
 
 TEST(VolumeRegions, AlikeOnesHaveARowAndAPlaceInWarningsEach) {
-  const Response r = run(hills(10), "20",
-                         {{"region", collection({box(10, 10, 50, 40, {{"name", "a"}}), box(900, 0, 950, 9, {{"name", "b"}}),
-                                                 box(10, 10, 50, 40, {{"name", "c"}}),
-                                                 box(900, 0, 950, 9, {{"name", "d"}})})}});
+  const Response r =
+      run(hills(10), "20",
+          {{"region", collection({box(10, 10, 50, 40, {{"name", "a"}}), box(900, 0, 950, 9, {{"name", "b"}}),
+                                  box(10, 10, 50, 40, {{"name", "c"}}), box(900, 0, 950, 9, {{"name", "d"}})})}});
   auto rows = r.report["rows"];
   ASSERT_EQ(rows.size(), 4u);
   EXPECT_EQ(rows[2]["region"], "c");
