@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -53,22 +56,53 @@ int BisectedMesh::longest(Index f) const {
 
 double BisectedMesh::longest_edge(Index f) const { return std::sqrt(length2(f, longest(f))); }
 
+namespace {
+
+/// About how many vertices the faces of a queue that are due will take, from some of them. Where a function bends its
+/// error goes with the area of a face; where it breaks along a line, with the length of a face, as the number of faces
+/// on that line does: either way a face takes as many as the tolerance goes into its error.
+double still_needed(std::span<const Index> queue, const std::vector<std::uint8_t>& due,
+                    const BisectedMesh::Refinement& how) {
+  std::vector<Index> waiting;
+  std::copy_if(queue.begin(), queue.end(), std::back_inserter(waiting), [&](Index f) { return due[f] != 0; });
+  constexpr std::size_t sample = 2000;
+  const std::size_t step = waiting.size() / sample | 1;
+  double needed = 0;
+  for (std::size_t i = 0; i < waiting.size(); i += step)
+    if (const double error = how.error(waiting[i]); error > how.tolerance && std::isfinite(error))
+      needed += error / how.tolerance - 1;
+  return needed * static_cast<double>(step);
+}
+
+[[noreturn]] void refuse(const std::string& needed, Index most) {
+  throw Error(ErrorKind::usage, "blend-tolerance",
+              "blending to blend-tolerance needs " + needed + " new vertices, and may make " + std::to_string(most) +
+                  "; raise blend-tolerance or blend-width");
+}
+
+}  // namespace
+
 double BisectedMesh::refine(const Refinement& how, Context& context) {
   std::vector<Index> queue;
   for (Index f = 0; f < static_cast<Index>(faces_.size()); ++f)
     if (how.wanted(f)) queue.push_back(f);
   std::vector<double> errors(faces_.size(), 0);
   std::vector<std::uint8_t> due(faces_.size(), 1);
+  Index look_ahead = how.most / 256;
   for (std::size_t i = 0; i < queue.size(); ++i) {
     if (i % 10000 == 0) context.progress("blend", static_cast<double>(i) / static_cast<double>(queue.size()));
     const Index f = queue[i];
     if (!std::exchange(due[f], 0)) continue;
     errors[f] = how.error(f);
     if (errors[f] <= how.tolerance) continue;
-    if (made() >= how.most)
-      throw Error(ErrorKind::usage, "blend-tolerance",
-                  "blending to blend-tolerance needs more than " + std::to_string(how.most) +
-                      " new vertices; raise blend-tolerance or blend-width");
+    if (made() >= how.most) refuse("more than " + std::to_string(how.most), how.most);
+    if (made() > look_ahead) {
+      look_ahead = 2 * made();
+      const double expected = made() + still_needed(std::span(queue).subspan(i + 1), due, how);
+      // The more there are, the surer it is how many there will be; twice as many are never sure.
+      if (expected > 2.0 * how.most * std::sqrt(static_cast<double>(how.most) / made()))
+        refuse("about " + std::to_string(std::llround(std::min(expected, 1e15))), how.most);
+    }
     std::vector<Index> changed;
     if (!bisect(f, how, changed) && std::isinf(errors[f])) errors[f] = 0;
     due.resize(faces_.size(), 0);

@@ -44,8 +44,8 @@ class BisectedMesh {
     Index most;  // vertices made
   };
   /// Refines wanted faces until the error of each is within the tolerance, or there is no double to divide it at.
-  /// Returns the largest error left. Throws Error{usage, "blend-tolerance"} when that takes more vertices than `most`.
-  /// Does not depend on anything but the order of faces and points.
+  /// Returns the largest error left. Throws Error{usage, "blend-tolerance"} when that takes more vertices than `most`,
+  /// the sooner the more it would take. Does not depend on anything but the order of faces and points.
   double refine(const Refinement& how, Context& context);
 
   Array<Point2> take_points() { return std::move(points_); }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <map>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -208,21 +207,28 @@ class Cutter {
 
   /// Do the pieces have every edge that faces near the border share with faces far from it?
   bool seam_is_whole() const {
-    std::unordered_set<std::uint64_t> before, after;
-    for (const Index f : near_)
-      for (int k = 0; k < 3; ++k) before.insert(key(surface_.faces[f][k], surface_.faces[f][(k + 1) % 3]));
-    for (std::size_t p = 0; p < corners_.size(); ++p)
-      for (int k = 0; overlay_.parents[p][0] != none && k < 3; ++k)
-        after.insert(key(corners_[p][k], corners_[p][(k + 1) % 3]));
+    std::vector<std::uint64_t> beyond;
     for (std::size_t f = 0; f < where_.size(); ++f) {
       if (where_[f] == Where::near) continue;
       const Face& face = surface_.faces[f];
-      for (int k = 0; k < 3; ++k) {
-        const Index from = face[(k + 1) % 3], to = face[k];
-        if (in_strip_[from] && in_strip_[to] && before.count(key(from, to)) && !after.count(key(from, to)))
-          return false;
-      }
+      for (int k = 0; k < 3; ++k)
+        if (const Index from = face[(k + 1) % 3], to = face[k]; in_strip_[from] && in_strip_[to])
+          beyond.push_back(key(from, to));
     }
+    std::sort(beyond.begin(), beyond.end());
+    std::vector<std::uint8_t> before(beyond.size(), 0), after(beyond.size(), 0);
+    const auto note = [&](const Face& face, std::vector<std::uint8_t>& seen) {
+      for (int k = 0; k < 3; ++k) {
+        const std::uint64_t edge = key(face[k], face[(k + 1) % 3]);
+        const auto at = std::lower_bound(beyond.begin(), beyond.end(), edge);
+        if (at != beyond.end() && *at == edge) seen[at - beyond.begin()] = 1;
+      }
+    };
+    for (const Index f : near_) note(surface_.faces[f], before);
+    for (std::size_t p = 0; p < corners_.size(); ++p)
+      if (overlay_.parents[p][0] != none) note(corners_[p], after);
+    for (std::size_t i = 0; i < beyond.size(); ++i)
+      if (before[i] && !after[i]) return false;
     return true;
   }
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/box.hpp"
+#include "core/delaunay.hpp"
 #include "core/error.hpp"
 #include "core/place_order.hpp"
 #include "core/predicates.hpp"
@@ -48,6 +49,12 @@ class Buckets {
   }
 
   std::size_t cells() const { return first_.size() - 1; }
+  /// How many would be compared with how many, all told.
+  std::size_t comparisons() const {
+    std::size_t all = 0;
+    for (std::size_t cell = 0; cell < cells(); ++cell) all += in(cell).size() * in(cell).size() / 2;
+    return all;
+  }
   std::span<const Index> in(std::size_t cell) const {
     return std::span(listed_).subspan(first_[cell], first_[cell + 1] - first_[cell]);
   }
@@ -105,6 +112,9 @@ constexpr std::size_t most_crossings = 10'000'000;
 /// pass over many.
 constexpr std::size_t most_work = 4'000'000'000, work_per_edge = 1000, work_to_look = 100;
 
+/// Where more comparisons than that are due, edges are long and lie side by side, as those of a star do.
+constexpr std::size_t many_per_edge = 100;
+
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorKind::limit, "too-many-crossings", "the edges " + what + "; simplify them");
 }
@@ -127,6 +137,16 @@ void join_equal_points(std::vector<Point2>& points, std::vector<NodedEdge>& edge
   points.resize(kept);
   for (NodedEdge& e : edges) e.from = number[same[e.from]], e.to = number[same[e.to]];
   std::erase_if(edges, [](const NodedEdge& e) { return e.from == e.to; });
+}
+
+/// Is it clear without comparing any two that no edges meet but at their ends?
+bool are_apart(std::span<const Point2> points, std::span<const NodedEdge> edges) {
+  std::vector<Point2> places(points.begin(), points.end());
+  std::vector<NodedEdge> between(edges.begin(), edges.end());
+  join_equal_points(places, between);
+  std::vector<std::array<Index, 2>> ends;
+  for (const NodedEdge& e : between) ends.push_back({e.from, e.to});
+  return meet_at_ends_only(places, std::move(ends));
 }
 
 /// Edges by their ends; those that lie on each other are together, and first[b] is where such a bundle begins.
@@ -159,6 +179,7 @@ std::vector<Crossing> find_crossings(std::span<const Point2> points, std::span<c
   std::vector<Crossing> found;
   if (edges.empty()) return found;
   const Buckets buckets(points, edges);
+  if (buckets.comparisons() > many_per_edge * edges.size() && are_apart(points, edges)) return found;
   const std::size_t enough = most_work + work_per_edge * edges.size();
   std::size_t work = 0;
   std::vector<std::pair<Box, Index>> near;

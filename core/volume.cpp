@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/area_weights.hpp"
+#include "core/level_order.hpp"
 #include "core/parallel.hpp"
 #include "core/sum.hpp"
 #include "core/volume_sum.hpp"
@@ -76,14 +77,43 @@ Volume volume(const Tin& surface, const Tin& reference, double tolerance, const 
 }
 
 Volume volume(const Tin& surface, double level, double tolerance, const AreaScale& scale, Context& context) {
+  return volumes(surface, {&level, 1}, tolerance, scale, context).front();
+}
+
+std::vector<Volume> volumes(const Tin& surface, std::span<const double> levels, double tolerance,
+                            const AreaScale& scale, Context& context) {
   const AreaWeights weights(scale, bounds(surface));
-  VolumeSum sum(weights, tolerance);
-  for (std::size_t i = 0; i < surface.faces.size(); ++i) {
-    report(context, i, surface.faces.size());
-    const Face& face = surface.faces[i];
-    if (!is_wall(surface, face)) sum.add(corners(surface, face), heights(surface, face), {level, level, level});
+  const LevelOrder level(levels);
+  const std::size_t n = level.size();
+  std::vector<VolumeSum> sums(n, VolumeSum(weights, tolerance));
+  // What lies above a level as a whole lies above all lower ones, further by the step: it is added to one of them.
+  std::vector<VolumeSum::Wholes> above(n), below(n);
+  for (std::size_t f = 0; f < surface.faces.size(); ++f) {
+    report(context, f, surface.faces.size());
+    if (is_wall(surface, surface.faces[f])) continue;
+    const auto face = VolumeSum::face(corners(surface, surface.faces[f]), heights(surface, surface.faces[f]), weights);
+    const auto [low, high] = std::minmax({face.z[0], face.z[1], face.z[2]});
+    const auto [first, last] = level.span(low, high, tolerance);
+    for (std::size_t i = first > 0 ? first - 1 : 0; i < std::min(last + 1, n); ++i)
+      sums[i].add(face, {level[i], level[i], level[i]});
+    if (first > 1) above[first - 1].add(face, level[first - 1]);
+    if (last + 1 < n) below[last].add(face, level[last]);
   }
-  return sum.result();
+  for (std::size_t i = n; i-- > 1;) {
+    VolumeSum::Wholes higher;
+    higher.add(above[i], level[i] - level[i - 1]);
+    sums[i - 1].add_above(higher, level[i - 1]);
+    above[i - 1].add(higher, 0);
+  }
+  for (std::size_t i = 1; i < n; ++i) {
+    VolumeSum::Wholes lower;
+    lower.add(below[i - 1], level[i] - level[i - 1]);
+    sums[i].add_below(lower, level[i]);
+    below[i].add(lower, 0);
+  }
+  std::vector<Volume> volumes(n);
+  for (std::size_t i = 0; i < n; ++i) volumes[level.in_list(i)] = sums[i].result();
+  return volumes;
 }
 
 double integral(const Tin& tin, const AreaScale& scale) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "core/context.hpp"
 #include "core/overlay.hpp"
@@ -30,6 +32,9 @@ struct Volume {
 /// `scale` weighs areas and volumes (area_3d stays in the plane's own metric times the scale); none counts as 1.
 Volume volume(const Tin& surface, const Tin& reference, double tolerance, const AreaScale& scale, Context& context);
 Volume volume(const Tin& surface, double level, double tolerance, const AreaScale& scale, Context& context);
+/// For each level, in their order. O(faces + levels + places where a face passes a level).
+std::vector<Volume> volumes(const Tin& surface, std::span<const double> levels, double tolerance,
+                            const AreaScale& scale, Context& context);
 
 /// Integral of z over the domain; the check that volume must agree with.
 double integral(const Tin& tin, const AreaScale& scale);

@@ -65,15 +65,19 @@ void VolumeSum::add_side(Side& side, const Pieces& pieces, double sign, double s
     add_piece(side, pieces.all[i], weights_(pieces.all[i].plan, pieces.all[i].area), sign, slope);
 }
 
-void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 3>& z,
-                    const std::array<double, 3>& reference) {
-  const Piece whole = {plan, {z[0] - reference[0], z[1] - reference[1], z[2] - reference[2]}, plan_area(plan)};
-  const auto w = weights_(plan, whole.area);
+VolumeSum::Face VolumeSum::face(const std::array<Point2, 3>& plan, const std::array<double, 3>& z,
+                                const AreaWeights& weights) {
+  const double area = plan_area(plan);
+  return {plan, z, weights(plan, area), area, slope_factor(plan, z)};
+}
+
+void VolumeSum::add(const Face& face, const std::array<double, 3>& reference) {
+  const auto& [plan, z, w, area, slope] = face;
+  const Piece whole = {plan, {z[0] - reference[0], z[1] - reference[1], z[2] - reference[2]}, area};
   overlap_.add(total(w));
   surface_integral_.add(dot(w, z));
   reference_integral_.add(dot(w, reference));
 
-  const double slope = slope_factor(plan, z);
   const auto [low, high] = std::minmax({whole.dz[0], whole.dz[1], whole.dz[2]});
   // Most faces lie on one side, and their weights are known already.
   if (low >= -tolerance_ && high <= tolerance_) return add_piece(same_, whole, w, 1, slope);
@@ -92,6 +96,37 @@ void VolumeSum::add(const std::array<Point2, 3>& plan, const std::array<double, 
   add_side(fill_, fill, 1, slope);
   add_side(cut_, cut_pieces, -1, slope);
   add_side(same_, same, 1, slope);
+}
+
+void VolumeSum::Wholes::add(const Face& face, double level) {
+  const std::array<double, 3> dz = {std::fabs(face.z[0] - level), std::fabs(face.z[1] - level),
+                                    std::fabs(face.z[2] - level)};
+  volume.add(dot(face.weights, dz));
+  area_2d.add(total(face.weights));
+  area_3d.add(face.slope * total(face.weights));
+  integral.add(dot(face.weights, face.z));
+  lowest = std::min({lowest, face.z[0], face.z[1], face.z[2]});
+  highest = std::max({highest, face.z[0], face.z[1], face.z[2]});
+}
+
+void VolumeSum::Wholes::add(const Wholes& nearer, double step) {
+  volume.add(nearer.volume);
+  volume.add(step * nearer.area_2d.value());
+  area_2d.add(nearer.area_2d);
+  area_3d.add(nearer.area_3d);
+  integral.add(nearer.integral);
+  lowest = std::min(lowest, nearer.lowest);
+  highest = std::max(highest, nearer.highest);
+}
+
+void VolumeSum::add(Side& side, const Wholes& wholes, double max_dz, double level) {
+  side.volume.add(wholes.volume);
+  side.area_2d.add(wholes.area_2d);
+  side.area_3d.add(wholes.area_3d);
+  side.max_dz = std::max(side.max_dz, max_dz);
+  overlap_.add(wholes.area_2d);
+  surface_integral_.add(wholes.integral);
+  reference_integral_.add(level * wholes.area_2d.value());
 }
 
 void VolumeSum::add_surface_only(const std::array<Point2, 3>& plan) {

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <random>
 #include <utility>
 
+#include "core/insertion_order.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
 
@@ -89,11 +89,8 @@ void Border::insert_edges(BorderReport& report, std::size_t limit) {
   // CGAL looks at every neighbour of the vertex that a constraint starts from: at a hub that would be quadratic.
   std::vector<Index> degree(used_.size(), 0);
   for (const BorderHalfEdge& e : border_) ++degree[vertex(e.from)->info()], ++degree[vertex(e.to)->info()];
-  // In random order the work is expected to be O(n log^2 n) even for long edges side by side; see Shewchuk & Brown
-  // (2015).
   std::vector<BorderHalfEdge> order(border_.begin(), border_.end());
-  std::mt19937 random;
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+  order_for_insertion(order);
   for (const BorderHalfEdge& e : order) {
     Vertex a = vertex(e.from), b = vertex(e.to);
     if (degree[a->info()] > degree[b->info()]) std::swap(a, b);

@@ -90,10 +90,11 @@ std::vector<std::string> missing_grids(const Crs& from, const Crs& to, const Box
                                                              PROJ_GRID_AVAILABILITY_IGNORED);
   proj().operation_factory_context_set_spatial_criterion(context.get(), factory.get(),
                                                          PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
-  if (is_area(lon_lat))
-    proj().operation_factory_context_set_area_of_interest(context.get(), factory.get(),
-                                                          std::remainder(lon_lat.xmin, 360), lon_lat.ymin,
-                                                          std::remainder(lon_lat.xmax, 360), lon_lat.ymax);
+  if (is_area(lon_lat)) {
+    const Box area = area_of_interest(lon_lat);
+    proj().operation_factory_context_set_area_of_interest(context.get(), factory.get(), area.xmin, area.ymin, area.xmax,
+                                                          area.ymax);
+  }
   const auto list = std::unique_ptr<PJ_OBJ_LIST, decltype(proj().list_destroy)>(
       proj().create_operations(context.get(), source.get(), target.get(), factory.get()), proj().list_destroy);
   std::vector<std::string> names;

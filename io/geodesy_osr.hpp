@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -63,6 +64,15 @@ Box lon_lat_box(const Crs& crs, const Box& box);
 inline bool is_area(const Box& lon_lat) {
   return (lon_lat.xmin != 0 || lon_lat.xmax != 0 || lon_lat.ymin != 0 || lon_lat.ymax != 0) &&
          lon_lat.xmax >= lon_lat.xmin && lon_lat.xmax - lon_lat.xmin < 360 && lon_lat.ymax >= lon_lat.ymin;
+}
+
+/// The same area as PROJ takes it: longitudes within 180, the western one the larger where it passes there. A place at
+/// 180 degrees is an area of a millionth of a degree: PROJ calls itself without end to tell where one that begins and
+/// ends there lies.
+inline Box area_of_interest(const Box& lon_lat) {
+  Box area = {std::remainder(lon_lat.xmin, 360), lon_lat.ymin, std::remainder(lon_lat.xmax, 360), lon_lat.ymax};
+  if (lon_lat.xmin == lon_lat.xmax && std::fabs(area.xmin) == 180) area.xmin = -180, area.xmax = -180 + 1e-6;
+  return area;
 }
 
 /// Names of the grids that every known way from one to the other needs and that are not installed.

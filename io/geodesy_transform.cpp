@@ -217,9 +217,10 @@ Transformation make_transformation(const OGRSpatialReference& from, const OGRSpa
                                    bool ballpark) {
   OGRCoordinateTransformationOptions options;
   options.SetBallparkAllowed(ballpark);
-  if (lon_lat && is_area(*lon_lat))
-    options.SetAreaOfInterest(std::remainder(lon_lat->xmin, 360), std::max(lon_lat->ymin, -90.0),
-                              std::remainder(lon_lat->xmax, 360), std::min(lon_lat->ymax, 90.0));
+  if (lon_lat && is_area(*lon_lat)) {
+    const Box area = area_of_interest(*lon_lat);
+    options.SetAreaOfInterest(area.xmin, std::max(area.ymin, -90.0), area.xmax, std::min(area.ymax, 90.0));
+  }
   return Transformation(OGRCreateCoordinateTransformation(&from, &to, options));
 }
 

@@ -40,8 +40,9 @@ void assign_crs(std::vector<Surface>& surfaces, const Plan& plan);
 Crs choose_crs(const std::vector<Surface>& surfaces, const Plan& plan, Context& context);
 
 /// The vector parameters of a plan, decoded, in the frame's CRS. Where they are: what NAME-crs says, else what their
-/// bytes declare, else longitudes and latitudes for GeoJSON and the frame's own CRS for everything else. Where the frame
-/// has degrees they are laid over the surfaces by whole turns, as tiles are laid beside each other.
+/// bytes declare, else longitudes and latitudes for GeoJSON and the frame's own CRS for everything else. Where the
+/// frame has degrees they are laid over the surfaces by whole turns, as tiles are laid beside each other. Throws
+/// Error{input, "outside-crs"} for an edge that is torn apart where the frame's map of the globe ends.
 std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const std::vector<Surface>& surfaces,
                                                 const Crs& frame, Context& context);
 

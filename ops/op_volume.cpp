@@ -59,9 +59,7 @@ void check(const nlohmann::json& values, const std::vector<InputPart>& inputs) {
 std::vector<VolumeRow> rows_of(const Tin& surface, const Tin* reference, const std::vector<double>& levels,
                                const VolumeMeasure& measure, Context& context) {
   if (reference) return {measure.between(surface, *reference, context)};
-  std::vector<VolumeRow> rows;
-  for (const double level : levels) rows.push_back(measure.at_level(surface, level, context));
-  return rows;
+  return measure.at_levels(surface, levels, context);
 }
 
 /// What the surface is measured against.
@@ -77,12 +75,15 @@ void add_regions(VolumeReport& report, const Surface& surface, const Against& ag
   const std::vector<VolumeRegion> regions = volume_regions(vectors);
   std::vector<std::vector<VolumeRow>> rows(regions.size());
   const Tin* reference = against.reference ? &against.reference->tin() : nullptr;
-  for_each_part(surface, reference, regions, context, [&](std::size_t i, const VolumePart& part, Context& own) {
+  for_each_part(surface, reference, regions, context, [&](const auto& alike, const VolumePart& part, Context& own) {
     Tin toe;
     if (against.toe && !part.surface.faces.empty()) toe = toe_surface(part.surface, own);
     const Tin* beneath = against.toe ? &toe : reference ? &part.reference : nullptr;
-    rows[i] = rows_of(part.surface, beneath, against.levels, measure, own);
-    for (VolumeRow& row : rows[i]) row.region = regions[i].name;
+    const std::vector<VolumeRow> measured = rows_of(part.surface, beneath, against.levels, measure, own);
+    for (const std::size_t i : alike) {
+      rows[i] = measured;
+      for (VolumeRow& row : rows[i]) row.region = regions[i].name;
+    }
   });
   for (auto& of_region : rows)
     for (VolumeRow& row : of_region) report.add(std::move(row));

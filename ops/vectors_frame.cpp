@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/box.hpp"
 #include "core/error.hpp"
@@ -9,17 +11,39 @@
 namespace terrane {
 namespace {
 
-template <class Visit>
-void for_each_point(Vectors& vectors, const Visit& visit) {
-  const auto all = [&](std::vector<Point>& points) {
-    for (Point& p : points) visit(p);
+/// `Of`: Vectors, or const.
+template <class Of, class Visit>
+void for_each_point(Of& vectors, const Visit& visit) {
+  const auto all = [&](auto& points) {
+    for (auto& p : points) visit(p);
   };
-  for (Feature& f : vectors.features) {
+  for (auto& f : vectors.features) {
     all(f.points);
-    for (Line& line : f.lines) all(line);
-    for (Polygon& polygon : f.polygons) {
+    for (auto& line : f.lines) all(line);
+    for (auto& polygon : f.polygons) {
       all(polygon.outer);
-      for (Line& hole : polygon.holes) all(hole);
+      for (auto& hole : polygon.holes) all(hole);
+    }
+  }
+}
+
+/// visit(p, q, i, j) for every edge: its ends, and their numbers among the points as for_each_point visits them.
+template <class Visit>
+void for_each_edge(const Vectors& vectors, const Visit& visit) {
+  std::size_t first = 0;
+  const auto along = [&](const Line& line, bool closed) {
+    for (std::size_t i = closed ? 0 : 1; i < line.size(); ++i) {
+      const std::size_t before = (i == 0 ? line.size() : i) - 1;
+      visit(line[before], line[i], first + before, first + i);
+    }
+    first += line.size();
+  };
+  for (const Feature& f : vectors.features) {
+    first += f.points.size();
+    for (const Line& line : f.lines) along(line, false);
+    for (const Polygon& polygon : f.polygons) {
+      along(polygon.outer, true);
+      for (const Line& hole : polygon.holes) along(hole, true);
     }
   }
 }
@@ -28,6 +52,8 @@ void for_each_point(Vectors& vectors, const Visit& visit) {
   throw Error(ErrorKind::input, std::move(code), "parameter '" + name + "': " + what);
 }
 
+std::string text(const Point& p) { return nlohmann::json(p.x).dump() + ", " + nlohmann::json(p.y).dump(); }
+
 /// What is longitudes and latitudes by its kind and cannot be these was meant otherwise.
 void check_degrees(Vectors& vectors, const std::string& name) {
   for_each_point(vectors, [&](const Point& p) {
@@ -35,8 +61,7 @@ void check_degrees(Vectors& vectors, const std::string& name) {
       refuse(name, "not-degrees",
              std::string(vectors.geojson ? "GeoJSON holds longitudes and latitudes unless a crs member says otherwise"
                                          : "columns of this name hold longitudes and latitudes") +
-                 ", and " + nlohmann::json(p.x).dump() + ", " + nlohmann::json(p.y).dump() + " is none; give " + name +
-                 "-crs");
+                 ", and " + text(p) + " is none; give " + name + "-crs");
   });
 }
 
@@ -49,7 +74,8 @@ Crs source_of(Vectors& vectors, const std::string& name, const Plan& plan, const
   return frame.known() && !frame.local() ? Crs::parse("OGC:CRS84") : Crs();
 }
 
-void move(Vectors& vectors, const std::string& name, const Crs& from, const Crs& to) {
+/// All points of the vectors, in `to`.
+std::vector<Point> moved(const Vectors& vectors, const std::string& name, const Crs& from, const Crs& to) {
   std::vector<Point> points;
   for_each_point(vectors, [&](const Point& p) { points.push_back({p.x, p.y, std::isnan(p.z) ? 0 : p.z}); });
   try {
@@ -57,14 +83,48 @@ void move(Vectors& vectors, const std::string& name, const Crs& from, const Crs&
   } catch (const Error& error) {
     refuse(name, error.code, error.what());
   }
-  auto moved = points.begin();
-  for_each_point(vectors, [&](Point& p) {
-    if (!std::isfinite(moved->x) || !std::isfinite(moved->y))
+  return points;
+}
+
+/// Every map of the globe ends somewhere, and what crosses the line where it does is torn apart: the middle of an edge
+/// is then nowhere near the middle between its ends. The first such edge.
+std::optional<std::array<Point, 2>> torn(const Vectors& vectors, const std::vector<Point>& moved, const Crs& from,
+                                         const Crs& to) {
+  const double long_edge = 400'000 / to.metres_per_length_unit();
+  std::vector<std::array<Point, 2>> edges, ends;  // as they were, as they are
+  std::vector<Point> middles;
+  for_each_edge(vectors, [&](const Point& p, const Point& q, std::size_t i, std::size_t j) {
+    if (!(std::hypot(moved[j].x - moved[i].x, moved[j].y - moved[i].y) > long_edge)) return;
+    edges.push_back({p, q});
+    ends.push_back({moved[i], moved[j]});
+    middles.push_back({p.x + (q.x - p.x) / 2, p.y + (q.y - p.y) / 2, 0});
+  });
+  move_points(middles, from, to);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto& [a, b] = ends[e];
+    const double off = std::hypot(middles[e].x - (a.x + b.x) / 2, middles[e].y - (a.y + b.y) / 2);
+    if (off > 0.45 * std::hypot(b.x - a.x, b.y - a.y)) return edges[e];
+  }
+  return {};
+}
+
+/// `counted`: the vectors with other whole turns in their longitudes, which are taken where they stay in one piece.
+void move(Vectors& vectors, const Vectors& counted, const std::string& name, const Crs& from, const Crs& to) {
+  std::vector<Point> points = moved(counted, name, from, to);
+  if (from.geographic() && !to.geographic() && torn(counted, points, from, to)) {
+    points = moved(vectors, name, from, to);
+    if (const auto edge = torn(vectors, points, from, to))
       refuse(name, "outside-crs",
-             nlohmann::json(p.x).dump() + ", " + nlohmann::json(p.y).dump() + " in " + from.name() +
-                 " has no place in the CRS of the result, " + to.name());
-    p = {moved->x, moved->y, std::isnan(p.z) ? p.z : moved->z};
-    ++moved;
+             "between " + text(edge->front()) + " and " + text(edge->back()) + " it crosses the line where " +
+                 to.name() + " ends; cut it there, or give it in that CRS");
+  }
+  auto place = points.begin();
+  for_each_point(vectors, [&](Point& p) {
+    if (!std::isfinite(place->x) || !std::isfinite(place->y))
+      refuse(name, "outside-crs",
+             text(p) + " in " + from.name() + " has no place in the CRS of the result, " + to.name());
+    p = {place->x, place->y, std::isnan(p.z) ? p.z : place->z};
+    ++place;
   });
 }
 
@@ -120,17 +180,58 @@ void lay_over(std::vector<Polygon>& polygons, const Box& surfaces) {
   polygons = std::move(laid);
 }
 
-/// In longitudes 181 is -179.
-void lay_over(Vectors& vectors, const std::vector<Surface>& surfaces) {
+Box box_of_all(const std::vector<Surface>& surfaces) {
   Box box = no_box;
   for (const Surface& s : surfaces)
     if (!s.level()) box = around(box, box_of(s));
+  return box;
+}
+
+/// In longitudes 181 is -179.
+void lay_over(Vectors& vectors, const std::vector<Surface>& surfaces) {
+  const Box box = box_of_all(surfaces);
   if (!(box.xmin <= box.xmax)) return;
   for (Feature& f : vectors.features) {
     lay_over(f.points, box);
     lay_over(f.lines, box);
     lay_over(f.polygons, box);
   }
+}
+
+/// Whoever writes an edge of more than half a turn mostly means the rest of it.
+void warn_of_the_long_way(const Vectors& vectors, const std::string& name, Context& context) {
+  bool warned = false;
+  for_each_edge(vectors, [&](const Point& p, const Point& q, std::size_t, std::size_t) {
+    const double turn = std::fabs(q.x - p.x);
+    if (warned || !(turn > 180 && turn < 360)) return;
+    warned = true;
+    context.warn({"long-way-round", "", "",
+                  "parameter '" + name + "': the edge from " + text(p) + " to " + text(q) +
+                      " goes the long way round the globe, as it is written",
+                  "cut it at 180 degrees if it is to cross them"});
+  });
+}
+
+/// Longitudes as they are counted at the surfaces: what is cut at 180 and -180 would be one thing but for rounding once
+/// it is projected.
+Vectors counted_at(const std::vector<Surface>& surfaces, const Crs& frame, const Crs& from, Vectors vectors) {
+  const Box all = box_of_all(surfaces);
+  if (!(all.xmin <= all.xmax)) return vectors;
+  std::vector<Point> centre = {{(all.xmin + all.xmax) / 2, (all.ymin + all.ymax) / 2, 0}};
+  try {
+    transform_points(centre, frame.horizontal(), from.horizontal());
+  } catch (const Error&) {
+    return vectors;  // the way here will say why there is none
+  }
+  const auto count = [&](auto& shapes) {
+    for (auto& shape : shapes) {
+      const Box box = reach_of(shape);
+      const double by = -360 * std::round(((box.xmin + box.xmax) / 2 - centre[0].x) / 360);
+      if (std::fabs(by) <= 720) turn(shape, by);
+    }
+  };
+  for (Feature& f : vectors.features) count(f.points), count(f.lines), count(f.polygons);
+  return vectors;
 }
 
 }  // namespace
@@ -144,8 +245,14 @@ std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const std::vec
     if (from.known() && !from.local() && !(frame.known() && !frame.local()))
       refuse(name, "missing-crs",
              "it is in " + from.name() + ", and no input says where it is; give crs or assume-crs");
-    if (from.known() && frame.known() && differs(from, frame)) move(vectors, name, from, frame);
-    if (frame.known() && frame.geographic()) lay_over(vectors, surfaces);
+    if (from.known() && frame.known() && differs(from, frame)) {
+      const bool projected = from.geographic() && !frame.geographic();
+      move(vectors, projected ? counted_at(surfaces, frame, from, vectors) : vectors, name, from, frame);
+    }
+    if (frame.known() && frame.geographic()) {
+      warn_of_the_long_way(vectors, name, context);
+      lay_over(vectors, surfaces);
+    }
     vectors.crs = frame;
     all.emplace(name, std::move(vectors));
   }

@@ -2,7 +2,9 @@
 #include "ops/volume_regions.hpp"
 
 #include <atomic>
-#include <functional>
+#include <bit>
+#include <cstdint>
+#include <map>
 #include <utility>
 
 #include "core/clip.hpp"
@@ -44,6 +46,34 @@ void warn_of(const std::vector<VolumeRegion>& regions, const std::vector<Fate>& 
                 count == 1 ? "region " + names + " " + one : "regions " + names + " " + many, remedy});
 }
 
+/// The polygons in plan as they are, bit for bit.
+std::vector<std::uint64_t> key_of(const VolumeRegion& region) {
+  std::vector<std::uint64_t> key;
+  const auto add = [&](const Line& ring) {
+    key.push_back(ring.size());
+    for (const Point& p : ring)
+      for (const double v : {p.x, p.y}) key.push_back(std::bit_cast<std::uint64_t>(v));
+  };
+  for (const Polygon& polygon : region.polygons) {
+    key.push_back(polygon.holes.size());
+    add(polygon.outer);
+    for (const Line& hole : polygon.holes) add(hole);
+  }
+  return key;
+}
+
+/// Regions by what they cover: those of the same polygons together, in the order of the first of them.
+std::vector<std::vector<std::size_t>> alike(const std::vector<VolumeRegion>& regions) {
+  std::map<std::vector<std::uint64_t>, std::size_t> group_of;
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const auto [it, fresh] = group_of.try_emplace(key_of(regions[i]), groups.size());
+    if (fresh) groups.emplace_back();
+    groups[it->second].push_back(i);
+  }
+  return groups;
+}
+
 Tin within(const FaceRuns& faces, const PlanRegion& area, Context& context) {
   const Tin near = faces.near(widened(bounds(area.tin)));
   return near.faces.empty() ? Tin{} : clip(near, area, Side::inside, context).tin;
@@ -76,18 +106,20 @@ std::vector<VolumeRegion> volume_regions(const Vectors& vectors) {
 }
 
 void for_each_part(const Surface& surface, const Tin* reference, const std::vector<VolumeRegion>& regions,
-                   Context& context, const std::function<void(std::size_t, const VolumePart&, Context&)>& work) {
+                   Context& context, const PartWork& work) {
+  const std::vector<std::vector<std::size_t>> groups = alike(regions);
   const FaceRuns faces(surface.tin());
   std::optional<FaceRuns> reference_faces;
   if (reference) reference_faces.emplace(*reference);
   std::vector<Fate> fates(regions.size());
   std::atomic<std::size_t> done = 0;
-  const std::vector<double> weights(regions.size(), static_cast<double>(surface.tin().faces.size()));
-  side_by_side(weights, context, [&](std::size_t i, Context& own) {
+  const std::vector<double> weights(groups.size(), static_cast<double>(surface.tin().faces.size()));
+  side_by_side(weights, context, [&](std::size_t g, Context& own) {
+    const std::size_t i = groups[g].front();
     // What a part does is too short to be told apart; what counts is how many are done.
     const auto tell = own.on_progress;
     own.on_progress = [&](std::string_view, double) {
-      tell("volume", static_cast<double>(done) / static_cast<double>(regions.size()));
+      tell("volume", static_cast<double>(done) / static_cast<double>(groups.size()));
     };
     const PlanRegion area = plan_region(regions[i].polygons, own);
     VolumePart part;
@@ -99,11 +131,12 @@ void for_each_part(const Surface& surface, const Tin* reference, const std::vect
       fates[i].outside = part.surface.faces.empty();
     }
     try {
-      work(i, part, own);
+      work(groups[g], part, own);
     } catch (const Error& error) {
       if (error.kind != ErrorKind::input) throw;
       throw Error(error.kind, error.code, "region " + regions[i].quoted() + ": " + error.what());
     }
+    for (const std::size_t same : groups[g]) fates[same] = fates[i];
     ++done;
   });
   warn_of(regions, fates, &Fate::no_area, "empty-region", "", "has no area; its row is zero",

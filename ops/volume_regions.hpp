@@ -30,10 +30,11 @@ struct VolumePart {
   bool no_area = false;    // the region has none
 };
 
-/// Calls work(i, part, own) for every region, several at a time; only faces near a region are looked at for it. Warns
-/// of regions without area, of those that cross themselves and of those that do not touch the surface. `reference` may
-/// be null.
+/// Calls work(alike, part, own) for every region, several at a time; alike: the numbers of all that have these same
+/// polygons, which are cut out once. Only faces near a region are looked at for it. Warns of regions without area, of
+/// those that cross themselves and of those that do not touch the surface. `reference` may be null.
+using PartWork = std::function<void(const std::vector<std::size_t>& alike, const VolumePart&, Context&)>;
 void for_each_part(const Surface& surface, const Tin* reference, const std::vector<VolumeRegion>& regions,
-                   Context& context, const std::function<void(std::size_t, const VolumePart&, Context&)>& work);
+                   Context& context, const PartWork& work);
 
 }  // namespace terrane

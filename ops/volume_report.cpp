@@ -46,24 +46,27 @@ AreaScale own_scale(const Crs& crs) {
 }  // namespace
 
 /// On the grid, where the CRS has one, and on the ellipsoid, where the CRS has a place on it.
-VolumeRow VolumeMeasure::measured(const Measure& measure, Point2 centre) const {
-  VolumeRow row;
-  if (crs_.known() && crs_.geographic()) {
-    row.grid = measure(ellipsoidal_area_scale(crs_));
-    scale_figures(row.grid, 1, units_.height_factor);
-    row.ellipsoidal = row.grid;
-    return row;
+std::vector<VolumeRow> VolumeMeasure::measured(const Measure& measure, Point2 centre) const {
+  const bool degrees = crs_.known() && crs_.geographic();
+  std::vector<VolumeRow> rows;
+  for (Volume& grid : measure(degrees ? ellipsoidal_area_scale(crs_) : nullptr)) {
+    scale_figures(grid, units_.area_factor, units_.area_factor * units_.height_factor);
+    rows.emplace_back().grid = grid;
+    if (degrees) rows.back().ellipsoidal = grid;
   }
-  row.grid = measure(nullptr);
-  scale_figures(row.grid, units_.area_factor, units_.area_factor * units_.height_factor);
-  if (!crs_.known() || crs_.local()) return row;
-  row.ellipsoidal = measure(ellipsoidal_area_scale(crs_));
+  if (degrees || !crs_.known() || crs_.local()) return rows;
+  std::vector<Volume> ellipsoidal = measure(ellipsoidal_area_scale(crs_));
   // The ellipsoidal scale gives square metres; figures in feet stay in feet.
   const double metre = units_.area == "m2" ? 1 : crs_.metres_per_length_unit();
   const double height = units_.volume == "m3" ? crs_.metres_per_height_unit() : 1;
-  scale_figures(*row.ellipsoidal, 1 / (metre * metre), height / (metre * metre));
-  if (std::isfinite(centre.x) && std::isfinite(centre.y)) row.scale_factor = scale_factor(crs_, centre);
-  return row;
+  const bool placed = std::isfinite(centre.x) && std::isfinite(centre.y);
+  const double factor = placed ? scale_factor(crs_, centre) : 1;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    scale_figures(ellipsoidal[i], 1 / (metre * metre), height / (metre * metre));
+    rows[i].ellipsoidal = ellipsoidal[i];
+    rows[i].scale_factor = factor;
+  }
+  return rows;
 }
 
 /// Plan and heights are in different units.
@@ -72,11 +75,7 @@ bool VolumeMeasure::in_two_units() const {
 }
 
 /// Where plan and heights are in different units the core cannot know areas in space.
-void VolumeMeasure::measure_space(Volume& v, const Tin& surface, const Tin* reference, double level,
-                                  Context& context) const {
-  if (!in_two_units()) return;
-  const AreaScale scale = crs_.geographic() ? ellipsoidal_area_scale(crs_) : AreaScale{};
-  const auto areas = space_areas(surface, reference, level, options_.tolerance, crs_, scale, context);
+void VolumeMeasure::note_space(Volume& v, const SpaceAreas& areas) const {
   v.fill.area_3d = areas.fill * units_.area_factor;
   v.cut.area_3d = areas.cut * units_.area_factor;
   v.same_area_3d = areas.same * units_.area_factor;
@@ -89,35 +88,43 @@ Steepness VolumeMeasure::steepness() const {
 
 VolumeRow VolumeMeasure::between(const Tin& surface, const Tin& reference, Context& context) const {
   const bool apart = surface.faces.empty() || reference.faces.empty();
-  VolumeRow row = measured(
-      [&](const AreaScale& scale) {
-        if (!apart) return volume(surface, reference, options_.tolerance, scale, context);
-        Volume none;
-        if (!surface.faces.empty()) none.surface_only_area_2d = area(surface, scale);
-        if (!reference.faces.empty()) none.reference_only_area_2d = area(reference, scale);
-        return none;
-      },
-      middle(bounds(surface), bounds(reference)));
+  const auto measure = [&](const AreaScale& scale) {
+    if (!apart) return volume(surface, reference, options_.tolerance, scale, context);
+    Volume none;
+    if (!surface.faces.empty()) none.surface_only_area_2d = area(surface, scale);
+    if (!reference.faces.empty()) none.reference_only_area_2d = area(reference, scale);
+    return none;
+  };
+  VolumeRow row = measured([&](const AreaScale& scale) { return std::vector{measure(scale)}; },
+                           middle(bounds(surface), bounds(reference)))
+                      .front();
   if (apart) return row;
-  measure_space(row.grid, surface, &reference, 0, context);
+  if (in_two_units())
+    note_space(row.grid, space_areas(surface, reference, options_.tolerance, crs_, own_scale(crs_), context));
   if (options_.polygons)
     row.areas = features(volume_areas(surface, reference, options_.tolerance, own_scale(crs_), steepness(), context));
   return row;
 }
 
-VolumeRow VolumeMeasure::at_level(const Tin& surface, double level, Context& context) const {
+std::vector<VolumeRow> VolumeMeasure::at_levels(const Tin& surface, const std::vector<double>& levels,
+                                                Context& context) const {
   const bool empty = surface.faces.empty();
-  VolumeRow row = measured(
+  std::vector<VolumeRow> rows = measured(
       [&](const AreaScale& scale) {
-        return empty ? Volume{} : volume(surface, level, options_.tolerance, scale, context);
+        return empty ? std::vector<Volume>(levels.size())
+                     : volumes(surface, levels, options_.tolerance, scale, context);
       },
       middle(bounds(surface), bounds(surface)));
-  row.level = level;
-  if (empty) return row;
-  measure_space(row.grid, surface, nullptr, level, context);
-  if (options_.polygons)
-    row.areas = features(volume_areas(surface, level, options_.tolerance, own_scale(crs_), steepness(), context));
-  return row;
+  std::vector<SpaceAreas> space;
+  if (in_two_units() && !empty) space = space_areas(surface, levels, options_.tolerance, crs_, own_scale(crs_));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].level = levels[i];
+    if (!space.empty()) note_space(rows[i].grid, space[i]);
+    if (options_.polygons && !empty)
+      rows[i].areas =
+          features(volume_areas(surface, levels[i], options_.tolerance, own_scale(crs_), steepness(), context));
+  }
+  return rows;
 }
 
 std::vector<Feature> VolumeMeasure::features(const VolumeAreas& areas) const {

@@ -30,6 +30,17 @@ struct VolumeRow {
   std::vector<Feature> areas;  // above, same, below as polygons, when they are asked for
 };
 
+/// Surface areas in space by side, where core/volume cannot know them because plan and height have different units; in
+/// squared plan units times `scale`.
+struct SpaceAreas {
+  double fill = 0, cut = 0, same = 0;
+};
+SpaceAreas space_areas(const Tin& surface, const Tin& reference, double tolerance, const Crs& crs,
+                       const AreaScale& scale, Context& context);
+/// For each level.
+std::vector<SpaceAreas> space_areas(const Tin& surface, const std::vector<double>& levels, double tolerance,
+                                    const Crs& crs, const AreaScale& scale);
+
 /// Measures rows: volumes from the core, figures in the units of the CRS. Many threads may, each with its own context.
 class VolumeMeasure {
  public:
@@ -37,12 +48,13 @@ class VolumeMeasure {
 
   /// Either surface may be empty.
   VolumeRow between(const Tin& surface, const Tin& reference, Context& context) const;
-  VolumeRow at_level(const Tin& surface, double level, Context& context) const;
+  /// A row for each level.
+  std::vector<VolumeRow> at_levels(const Tin& surface, const std::vector<double>& levels, Context& context) const;
 
  private:
-  using Measure = std::function<Volume(const AreaScale&)>;
-  VolumeRow measured(const Measure& measure, Point2 centre) const;
-  void measure_space(Volume& v, const Tin& surface, const Tin* reference, double level, Context& context) const;
+  using Measure = std::function<std::vector<Volume>(const AreaScale&)>;
+  std::vector<VolumeRow> measured(const Measure& measure, Point2 centre) const;
+  void note_space(Volume& v, const SpaceAreas& areas) const;
   std::vector<Feature> features(const VolumeAreas& areas) const;
   Steepness steepness() const;
   bool in_two_units() const;
@@ -76,13 +88,5 @@ class VolumeReport {
   VolumeOptions options_;
   std::vector<VolumeRow> rows_;
 };
-
-/// Surface areas in space by side, where core/volume cannot know them because plan and height have different units; in
-/// squared plan units times `scale`.
-struct SpaceAreas {
-  double fill = 0, cut = 0, same = 0;
-};
-SpaceAreas space_areas(const Tin& surface, const Tin* reference, double level, double tolerance, const Crs& crs,
-                       const AreaScale& scale, Context& context);
 
 }  // namespace terrane

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
+#include "core/bisected_mesh.hpp"
+#include "core/error.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"
 
@@ -120,6 +123,48 @@ TEST(Blend, ATileInsideAnotherHoldsInItsMiddle) {
       const double d = std::min({p.x - 40, 60 - p.x, p.y - 40, 60 - p.y});
       EXPECT_NEAR(made.weight[3 * f + k], std::clamp(d / 5, 0.0, 1.0), 1e-12);
     }
+}
+
+/// A square whose faces bend, refined with up to `most` vertices.
+struct Bisection {
+  Index made = 0;
+  std::string refusal;
+};
+Bisection bisected(double tolerance, Index most) {
+  const Array<Point2> points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  const Array<Face> faces = {{0, 1, 2}, {0, 2, 3}};
+  BisectedMesh mesh(points, faces, {std::vector<double>(6, 0), std::vector<double>(6, 0)}, {1, 1});
+  Bisection result;
+  Context context;
+  const auto error = [&](Index f) { return std::pow(mesh.longest_edge(f), 2); };
+  try {
+    mesh.refine({error, tolerance, [](Index) { return true; }, [](Index, Index, Index, Index, Index) {}, most},
+                context);
+  } catch (const Error& refused) {
+    EXPECT_EQ(refused.code, "blend-tolerance");
+    result.refusal = refused.what();
+  }
+  result.made = mesh.made();
+  return result;
+}
+
+TEST(Blend, WhatWouldTakeTooManyVerticesIsRefusedAtOnceAndWhatFitsIsNot) {
+  for (const double tolerance : {1e-4, 1e-5, 3e-6}) {
+    const Index needed = bisected(tolerance, 8'000'000).made;
+    EXPECT_EQ(bisected(tolerance, needed).made, needed);
+    for (const Index part : {8, 32, 128}) {
+      const Bisection refused = bisected(tolerance, needed / part);
+      EXPECT_NE(refused.refusal, "") << needed << " / " << part;
+      EXPECT_LT(refused.made, 2 * needed / part / part) << needed << " / " << part;
+    }
+  }
+  const Tin a = support::patch(0, 0, 10, 10, 10), b = support::patch(60, 60, 10, 10, 10, 7);
+  try {
+    blended(a, b, 15, 1e-300);
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& refused) {
+    EXPECT_NE(std::string(refused.what()).find("needs about 1000000000000000 new vertices"), std::string::npos);
+  }
 }
 
 TEST(Blend, EqualSurfacesNeedNoRefinement) {

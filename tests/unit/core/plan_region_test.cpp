@@ -166,9 +166,26 @@ TEST(Noding, PiecesCrowdWhereEdgesCrossAndAreFoundQuickly) {
   EXPECT_GT(region({star}).tin.faces.size(), 400'000u);
 }
 
+TEST(Noding, SpikesSideBySideAreNotComparedWithEachOther) {
+  // 200 million pairs, had each edge to be held against all that are near it.
+  constexpr int corners = 20000;
+  Polygon star;
+  for (int k = 0; k < corners; ++k) {
+    const double radius = k % 2 ? 5000 : 1;
+    star.outer.push_back({radius * std::cos(2 * M_PI * k / corners), radius * std::sin(2 * M_PI * k / corners), 0});
+  }
+  const PlanRegion all = region({star});
+  EXPECT_EQ(all.tin.faces.size(), corners - 2u);
+  EXPECT_FALSE(all.self_crossing);
+  // One that crosses others is found among them all the same.
+  star.outer.resize(corners / 10);
+  std::swap(star.outer[501], star.outer[505]);
+  EXPECT_TRUE(region({star}).self_crossing);
+}
+
 TEST(Noding, WhatLiesTooCloseIsRefusedInTime) {
   std::vector<Polygon> rings;
-  for (int k = 0; k < 20000; ++k) rings.push_back(circle(0, 10 + k * 1e-9, 90));
+  for (int k = 0; k < 20000; ++k) rings.push_back(circle(k % 2 * 1e-8, 10 + k * 1e-9, 90));
   try {
     region(rings);
     ADD_FAILURE() << "compared all";

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "core/area_weights.hpp"
 #include "core/volume_sum.hpp"
 #include "support/exact.hpp"
+#include "support/terrains.hpp"
 
 namespace terrane {
 namespace {
@@ -181,6 +183,53 @@ TEST(VolumeOfTwoSurfaces, IsAccurateOnAFaceThatIsNearlyALine) {
   const Volume v = volume(high, low, 0, {}, context);
   EXPECT_NEAR(v.fill.volume, area, 1e-12 * area);
   EXPECT_NEAR(v.overlap_area_2d, area, 1e-12 * area);
+}
+
+void expect_near(const VolumeSide& a, const VolumeSide& b) {
+  EXPECT_NEAR(a.volume, b.volume, 1e-12 * b.volume);
+  EXPECT_NEAR(a.area_2d, b.area_2d, 1e-12 * b.area_2d);
+  EXPECT_NEAR(a.area_3d, b.area_3d, 1e-12 * b.area_3d);
+  EXPECT_EQ(a.max_dz, b.max_dz);
+}
+
+TEST(Volumes, AtManyLevelsAreThoseAtEach) {
+  const Tin tin = support::patch(0, 0, 12, 12, 3, 5);
+  std::vector<double> levels = {7, -1e4, 0.5, 1e4, 0.5, tin.vertices[7].z, tin.vertices[30].z};
+  for (int i = -60; i < 60; ++i) levels.push_back(0.37 * i);
+  Context context;
+  for (const double tolerance : {0.0, 0.2, 5.0}) {
+    const std::vector<Volume> all = volumes(tin, levels, tolerance, {}, context);
+    ASSERT_EQ(all.size(), levels.size());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const Volume one = volume(tin, levels[i], tolerance, {}, context);
+      expect_near(all[i].fill, one.fill);
+      expect_near(all[i].cut, one.cut);
+      EXPECT_NEAR(all[i].same_area_2d, one.same_area_2d, 1e-12 * one.overlap_area_2d);
+      EXPECT_NEAR(all[i].same_area_3d, one.same_area_3d, 1e-12 * one.overlap_area_2d);
+      EXPECT_NEAR(all[i].overlap_area_2d, one.overlap_area_2d, 1e-12 * one.overlap_area_2d);
+      EXPECT_LE(all[i].identity_residual, 1e-12 * (one.fill.volume + one.cut.volume));
+    }
+  }
+}
+
+TEST(Volumes, AFaceIsMeasuredWhereItPassesALevelAndNotAtEachLevel) {
+  // A scale that no series fits is asked for every piece that is measured.
+  std::size_t asked = 0;
+  const AreaScale scale = [&](double x, double y) {
+    ++asked;
+    return 1 + 1e-9 * std::sin(1e7 * x + 1e6 * y);
+  };
+  Tin tin;
+  for (int i = 0; i <= 2000; ++i) tin.vertices.push_back({i / 2.0, i % 2 * 1.0, i / 20.0});
+  for (int i = 0; i + 2 <= 2000; ++i) tin.faces.push_back(i % 2 ? Face{i, i + 1, i + 2} : Face{i, i + 2, i + 1});
+  Context context;
+  std::vector<double> levels(1, -1);
+  volumes(tin, levels, 0, scale, context);
+  const std::size_t once = asked;
+  for (int i = 0; i < 1000; ++i) levels.push_back(0.1 * i);
+  asked = 0;
+  volumes(tin, levels, 0, scale, context);
+  EXPECT_LT(asked, 10 * once);
 }
 
 }  // namespace

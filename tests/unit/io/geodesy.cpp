@@ -130,6 +130,16 @@ TEST(Transform, SurfacesAcrossTheAntimeridianStayWhole) {
   for (int v = 0; v < 3; ++v) EXPECT_NEAR(back.vertices[v].x, tin.vertices[v].x, 1e-9);
 }
 
+TEST(Transform, OnePlaceAt180Degrees) {
+  for (const char* crs : {"EPSG:3832", "EPSG:32760", "EPSG:32701"})
+    for (const double longitude : {180., -180., 540.}) {
+      const Point there = moved({longitude, -17, 0}, "OGC:CRS84", crs);
+      const Point back = moved(there, crs, "OGC:CRS84");
+      EXPECT_NEAR(std::fabs(back.x), 180, 1e-9) << crs << ", " << longitude;
+      EXPECT_NEAR(back.y, -17, 1e-9) << crs << ", " << longitude;
+    }
+}
+
 TEST(AreaScale, OfDegreesIsThatOfTheEllipsoid) {
   const AreaScale scale = ellipsoidal_area_scale(Crs::parse("EPSG:4326"));
   // Summed over one square degree: GeographicLib's geodesic polygon with the parallels cut fine.

@@ -10,6 +10,7 @@
 #include "io/vectors.hpp"
 #include "ops/operation.hpp"
 #include "ops/request.hpp"
+#include "ops/volume_regions.hpp"
 
 using namespace terrane;
 
@@ -149,6 +150,35 @@ TEST(VolumeRegions, RowsAreNamedAndMeasuredWithinTheirPolygons) {
   const Response csv = run(flat, "10", {{"region", regions}}, "csv");
   EXPECT_NE(csv.body.find("\n\"north, \"\"A\"\"\",10.0,"), std::string::npos) << csv.body;
   EXPECT_NE(csv.body.find("\n17,10.0,"), std::string::npos) << csv.body;
+}
+
+TEST(VolumeRegions, WhatSeveralHaveInCommonIsCutOutOnce) {
+  const Polygon here = {{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}, {}}, there = {{{5, 5, 0}, {9, 5, 0}, {9, 9, 0}}, {}};
+  std::vector<VolumeRegion> regions;
+  for (int i = 0; i < 500; ++i) regions.push_back({i, {i == 7 ? there : here}});
+  Surface surface;
+  surface.value = Tin{{{0, 0, 1}, {9, 0, 1}, {9, 9, 1}, {0, 9, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  std::vector<std::vector<std::size_t>> seen;
+  Context context;
+  for_each_part(surface, nullptr, regions, context,
+                [&](const auto& alike, const VolumePart&, Context&) { seen.push_back(alike); });
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_EQ(seen[0].size(), 499u);
+  EXPECT_EQ(seen[1], std::vector<std::size_t>{7});
+}
+
+TEST(VolumeRegions, AlikeOnesHaveARowAndAPlaceInWarningsEach) {
+  const Response r =
+      run(hills(10), "20",
+          {{"region", collection({box(10, 10, 50, 40, {{"name", "a"}}), box(900, 0, 950, 9, {{"name", "b"}}),
+                                  box(10, 10, 50, 40, {{"name", "c"}}), box(900, 0, 950, 9, {{"name", "d"}})})}});
+  auto rows = r.report["rows"];
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[2]["region"], "c");
+  rows[2]["region"] = "a";
+  EXPECT_EQ(rows[2], rows[0]);
+  ASSERT_NE(warning(r, "region-outside"), nullptr);
+  EXPECT_NE(warning(r, "region-outside")->message.find("'b', 'd'"), std::string::npos);
 }
 
 TEST(VolumeRegions, PartsThatTileTheSurfaceAddUpToIt) {
