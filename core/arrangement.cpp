@@ -128,96 +128,107 @@ class Builder {
       const std::size_t r = i / walked_parts + 1;
       append(all, offset[r], walked[r], out_.first_crossing, static_cast<int>(i % walked_parts));
     });
-    take(std::move(walked));
+    take(std::move(walked), offset);
   }
 
-  void take(std::vector<Walked> walked) {
+  void take(std::vector<Walked> walked, const std::vector<WalkedOffset>& offset) {
     Walked& all = walked[0];
-    out_.first_corner = out_.first_crossing + static_cast<Index>(all.node_of_crossing.size());
+    out_.first_corner = out_.first_crossing + all.vertices;
     out_.lines[0] = {std::move(all.first), std::move(all.nodes)};
     out_.lines[0].first.push_back(static_cast<Index>(out_.lines[0].nodes.size()));
     out_.under = std::move(all.under);
     out_.vertex_of_node = std::move(all.vertex_of_node);
     along_b_ = std::move(all.along_b);
-    out_.node_of_crossing = std::move(all.node_of_crossing);
     out_.points = std::move(all.points);
     for (int m = 0; m < 2; ++m) out_.heights[m] = std::move(all.heights[m]);
     place_in_lines_[0].assign(places(0), none);
     place_in_lines_[1].assign(places(1), none);
     out_.covered.assign(mesh(1).edges(), 0);
-    for (const Walked& w : walked) {
+    crossings_ = offset.back().crossings;
+    for (std::size_t r = 0; r < walked.size(); ++r) {
+      Walked& w = walked[r];
+      last_on_b_.push_back(std::move(w.last_on_b));
+      first_node_.push_back(offset[r].nodes);
+      crossings_ -= w.touched.size();
       for (const auto& [place, node] : w.touched) place_in_lines_[1][place] = node;
       for (const Index e : w.covered) out_.covered[e] = 1;
     }
   }
 
-  /// Sorts what lies on each edge of B along it: by a parameter in single precision, exactly where that cannot
-  /// tell.
+  /// What lies inside an edge of B, as its line will have it; but a place of A by its number.
+  struct OnEdge {
+    Node node;
+    float how_far;  // along the edge, about
+  };
+
+  /// Takes what lies on each edge of B out of its chains and sorts it along the edge: by a parameter in single
+  /// precision, exactly where that cannot tell.
   void fill_lines_of_b() {
     const CompletedMesh& b = mesh(1);
     const Index edges = b.edges();
-    Array<Index>& first = out_.lines[1].first;
-    Array<Index> filled(edges, 0);
-    // Every thread goes through all that lies on edges and takes what belongs to its own.
-    const std::size_t chunk = chunk_for(context_, edges);
-    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
-      const auto mine = [&](Index e) { return static_cast<std::size_t>(e) - begin < end - begin; };
-      for (const Node node : out_.lines[0].nodes)
-        if (node.crossing() && mine(node.index())) ++filled[node.index()];
-      each_place_on_edge([&](Index, Index h) {
-        if (const Index e = b.edge_of(h); mine(e)) ++filled[e];
-      });
+    const std::size_t inside = chain_places() + crossings_;
+    const std::size_t chunk = chunk_for(context_, edges), ranges = (edges + chunk - 1) / chunk;
+    std::vector<std::size_t> start(ranges + 1, 0);
+    parallel_for(context_, (ranges - 1) * chunk, chunk, [&](std::size_t begin, std::size_t end) {
+      std::size_t count = 0;
+      for (std::size_t e = begin; e < end; ++e) each_on_edge(static_cast<Index>(e), [&](Node) { ++count; });
+      start[begin / chunk + 1] = count + 2 * (end - begin);
     });
-    first.resize(edges + 1);
-    first[0] = 0;
-    for (Index e = 0; e < edges; ++e) {
-      first[e + 1] = first[e] + filled[e] + 2;
-      filled[e] = first[e] + 1;
-    }
-    Array<Node>& nodes = out_.lines[1].nodes;
-    nodes.resize(first[edges]);
-    keys_.resize(first[edges] - 2 * static_cast<std::size_t>(edges));
+    for (std::size_t r = 1; r < start.size(); ++r) start[r] += start[r - 1];
+    out_.lines[1].first.resize(edges + 1);
+    out_.lines[1].first[edges] = static_cast<Index>(inside) + 2 * edges;
+    out_.lines[1].nodes.resize(inside + 2 * static_cast<std::size_t>(edges));
+    std::vector<double> moves(ranges, 0);
     parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
-      const auto mine = [&](Index e) { return static_cast<std::size_t>(e) - begin < end - begin; };
-      const auto put = [&](Index e, Node node, float how_far) {
-        const Index at = filled[e]++;
-        nodes[at] = node;
-        key(e, at) = how_far;
-      };
-      const float* along = along_b_.data();
-      for (std::size_t i = 0; i < out_.lines[0].nodes.size(); ++i) {
-        const Node node = out_.lines[0].nodes[i];
-        if (!node.crossing()) continue;
-        if (mine(node.index())) put(node.index(), Node(node.kind(), static_cast<Index>(i)), *along);
-        ++along;
-      }
-      each_place_on_edge([&](Index place, Index h) {
-        const Index e = b.edge_of(h);
-        if (!mine(e)) return;
-        const Point2 o = b.at(b.origin(h)), t = b.at(b.target(h)), p = mesh(0).at(place);
-        put(e, Node(Node::junction, place),  // by its place for now
-            static_cast<float>(by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y)));
-      });
-    });
-    along_b_ = {};
-    std::vector<double> moves((edges + chunk - 1) / chunk, 0);
-    parallel_for(context_, edges, chunk, [&](std::size_t begin, std::size_t end) {
+      std::vector<OnEdge> found;
+      auto at = static_cast<Index>(start[begin / chunk]);
       double move = 0;
-      for (std::size_t e = begin; e < end; ++e) sort_line(static_cast<Index>(e), move);
+      for (auto e = static_cast<Index>(begin); e < static_cast<Index>(end); ++e) {
+        found.clear();
+        each_on_edge(e, [&](Node node) {
+          insert(e, {node, node.crossing() ? along_b_[node.index()] : how_far(e, node.index())}, found);
+        });
+        at = put_line(e, found, at);
+        if (found.empty() || b.sides[e] == 0) continue;
+        move = larger_bound(move, b.at(b.origin(b.half[e])), b.at(b.target(b.half[e])));
+      }
       moves[begin / chunk] = move;
     });
     out_.max_move = *std::max_element(moves.begin(), moves.end());
-    keys_ = {};
+    along_b_ = {};
+    next_on_edge_ = {};
+    last_on_b_.clear();
   }
 
-  /// How far along edge e of B the node `at` of its line lies, about; ends have none.
-  float& key(Index e, Index at) { return keys_[static_cast<std::size_t>(at) - 2 * static_cast<std::size_t>(e) - 1]; }
+  /// Hangs the places of A inside edges of B before what the first range found there; returns their number.
+  std::size_t chain_places() {
+    std::size_t count = 0;
+    next_on_edge_.resize(places(0));
+    for (Index i = 0; i < places(0); ++i) {
+      const Location& where = out_.location[0][i];
+      if (where.kind != Location::edge) continue;
+      next_on_edge_[i] = std::exchange(last_on_b_[0][mesh(1).edge_of(where.index)], Node(Node::junction, i));
+      ++count;
+    }
+    return count;
+  }
 
-  /// visit(place, half-edge of B) for every place of A inside an edge of B.
+  /// visit(node) for all that lies inside an edge of B, in no order.
   template <class Visit>
-  void each_place_on_edge(Visit&& visit) const {
-    for (Index i = 0; i < places(0); ++i)
-      if (const Location& where = out_.location[0][i]; where.kind == Location::edge) visit(i, where.index);
+  void each_on_edge(Index e, Visit&& visit) const {
+    for (std::size_t r = 0; r < last_on_b_.size(); ++r)
+      for (Node last = last_on_b_[r][e]; last.kind() != Node::end;) {
+        const Index i = last.index() + (last.crossing() ? first_node_[r] : 0);
+        visit(Node(last.kind(), i));
+        last = last.crossing() ? out_.lines[0].nodes[i] : next_on_edge_[i];
+      }
+  }
+
+  /// How far along edge e of B a place of A lies, about.
+  float how_far(Index e, Index place) const {
+    const Index h = mesh(1).half[e];
+    const Point2 o = mesh(1).at(mesh(1).origin(h)), t = mesh(1).at(mesh(1).target(h)), p = mesh(0).at(place);
+    return static_cast<float>(by_x(o, t) ? (p.x - o.x) / (t.x - o.x) : (p.y - o.y) / (t.y - o.y));
   }
 
   static bool by_x(Point2 o, Point2 t) { return std::fabs(t.x - o.x) >= std::fabs(t.y - o.y); }
@@ -227,40 +238,41 @@ class Builder {
     return junction != none ? Node(Node::junction, junction) : Node(Node::end, h);
   }
 
-  /// `move` becomes the larger of itself and the bound of the rounding on this edge.
-  void sort_line(Index e, double& move) {
+  /// Puts one more, of a handful mostly, in its place along edge e of B.
+  void insert(Index e, const OnEdge& own, std::vector<OnEdge>& found) const {
+    found.push_back(own);
+    OnEdge* at = &found.back();
+    for (OnEdge* const first = found.data(); at > first; --at) {
+      const float before = at[-1].how_far;
+      const bool less = std::fabs(own.how_far - before) > std::max(5e-7f * std::max(own.how_far, before), 1e-30f)
+                            ? own.how_far < before
+                            : exact_key(e, own.node) < exact_key(e, at[-1].node);
+      if (!less) break;
+      *at = at[-1];
+    }
+    *at = own;
+  }
+
+  /// Writes the line of an edge of B at a place among the nodes and tells A's nodes where theirs stand. Returns the
+  /// place after it.
+  Index put_line(Index e, const std::vector<OnEdge>& found, Index at) {
     const CompletedMesh& b = mesh(1);
-    Array<Node>& nodes = out_.lines[1].nodes;
-    const Index begin = out_.lines[1].first[e] + 1, end = out_.lines[1].first[e + 1] - 1;
     const Index h = b.half[e];
-    nodes[begin - 1] = end_node(1, b.twin(h), b.origin(h));
-    nodes[end] = end_node(1, h, b.target(h));
-    if (begin == end) return;
-    if (b.sides[e] > 0) move = larger_bound(move, b.at(b.origin(h)), b.at(b.target(h)));
-    for (Index i = begin + 1; i < end; ++i) {  // insertion: a handful each, mostly in order
-      const Node node = nodes[i];
-      const float own = key(e, i);
-      Index j = i;
-      for (; j > begin; --j) {
-        const float before = key(e, j - 1);
-        const bool less = std::fabs(own - before) > std::max(5e-7f * std::max(own, before), 1e-30f)
-                              ? own < before
-                              : exact_key(e, node) < exact_key(e, nodes[j - 1]);
-        if (!less) break;
-        nodes[j] = nodes[j - 1];
-        key(e, j) = before;
-      }
-      nodes[j] = node;
-      key(e, j) = own;
-    }
-    for (Index i = begin; i < end; ++i) {
-      if (nodes[i].crossing()) {
-        out_.lines[0].nodes[nodes[i].index()] = Node(nodes[i].kind(), i);
+    Array<Node>& nodes = out_.lines[1].nodes;
+    out_.lines[1].first[e] = at;
+    nodes[at++] = end_node(1, b.twin(h), b.origin(h));
+    for (const OnEdge& on : found) {
+      const Index i = on.node.index();
+      if (on.node.crossing()) {
+        out_.lines[0].nodes[i] = Node(on.node.kind(), at);
+        nodes[at++] = on.node;
       } else {
-        place_in_lines_[0][nodes[i].index()] = i;
-        nodes[i] = Node(Node::junction, out_.junction_of[0][nodes[i].index()]);
+        place_in_lines_[0][i] = at;
+        nodes[at++] = Node(Node::junction, out_.junction_of[0][i]);
       }
     }
+    nodes[at++] = end_node(1, h, b.target(h));
+    return at;
   }
 
   /// How far along edge e of B a node lies, exactly.
@@ -292,16 +304,24 @@ class Builder {
   Refinement refinement_;
   Context& context_;
   Arrangement out_;
-  Array<float> along_b_;  // of crossings in the order of A's lines
-  Array<float> keys_;
+  Array<float> along_b_;                // per node of A
+  std::vector<Array<Node>> last_on_b_;  // see Walked; of each range
+  std::vector<Index> first_node_;       // of each range among the nodes of A
+  Array<Node> next_on_edge_;            // of a place of A inside an edge of B: the next in its chain
+  std::size_t crossings_ = 0;
   Array<Index> place_in_lines_[2];  // of a place of m inside an edge of the other mesh: its node there
 };
 
 }  // namespace
 
-std::array<Index, 2> Arrangement::crossing_edges(Index vertex) const {
-  const Index on_a = node_of_crossing[vertex - first_crossing];
-  return {line_of(lines[0], on_a), line_of(lines[1], lines[0].nodes[on_a].index())};
+Index Arrangement::node_of(Index vertex) const {
+  const auto after = [](Index v, Index of_node) { return v < std::max(of_node, ~of_node); };
+  const auto next = std::upper_bound(vertex_of_node.begin(), vertex_of_node.end(), vertex, after);
+  return static_cast<Index>(next - vertex_of_node.begin()) - 1;
+}
+
+Index Arrangement::edge_through(int m, Index node_of_a) const {
+  return line_of(lines[m], m == 0 ? node_of_a : lines[0].nodes[node_of_a].index());
 }
 
 bool Arrangement::shared(Index face_of_a) const {
@@ -318,9 +338,9 @@ bool Arrangement::shared(Index face_of_a) const {
 
 ExactPlace exact_place(const Arrangement& arrangement, Index vertex) {
   if (vertex < arrangement.first_crossing || vertex >= arrangement.first_corner) return {};
-  const auto [ea, eb] = arrangement.crossing_edges(vertex);
   const CompletedMesh &a = *arrangement.mesh[0], &b = *arrangement.mesh[1];
-  const Index ha = a.half[ea], hb = b.half[eb];
+  const Index node = arrangement.node_of(vertex);
+  const Index ha = a.half[arrangement.edge_through(0, node)], hb = b.half[arrangement.edge_through(1, node)];
   return {ExactPlace::crossing, a.at(a.origin(ha)), a.at(a.target(ha)), b.at(b.origin(hb)), b.at(b.target(hb))};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -75,7 +76,7 @@ struct Arrangement {
   /// Per piece of A: the face of B that it lies in; ~h when it lies along half-edge h of B, in direction 0; or
   /// not_followed.
   Array<Index> under;
-  Array<Index> vertex_of_node;  // per node of A that is a crossing: its vertex, or none
+  Array<Index> vertex_of_node;  // per node of A: the vertex of a crossing; where it has none, ~ the next one that has
   Array<std::uint8_t> covered;  // per edge of B: some piece of A lies along it
 
   Array<Index> junction_of[2];  // of a place of m
@@ -86,7 +87,6 @@ struct Arrangement {
 
   Index first_b = 0, first_crossing = 0, first_corner = 0;  // vertices from here on are B's own places, crossings, ...
   Array<Index> place_of_vertex;                             // below first_crossing: a place of A; from first_b on, of B
-  Array<Index> node_of_crossing;  // by vertex - first_crossing: where it stands in the lines of A
   Array<Point2> points;           // of every vertex; crossings rounded
   Array<double> heights[2];       // of crossings and places, where the mesh has no jumps; NaN outside
   double max_move = 0;            // an upper bound of the rounding of crossings
@@ -105,11 +105,12 @@ struct Arrangement {
   /// The vertex at a node of the lines of m, or none.
   Index vertex(int m, Index at) const {
     const Node node = lines[m].nodes[at];
-    if (node.crossing()) return vertex_of_node[m == 0 ? at : node.index()];
+    if (node.crossing()) return std::max(vertex_of_node[m == 0 ? at : node.index()], none);
     return node.kind() == Node::end ? number[m][mesh[m]->target(node.index())] : vertex_of_junction[node.index()];
   }
-  /// The edges of A and B that cross at a vertex.
-  std::array<Index, 2> crossing_edges(Index vertex) const;
+  /// Where a crossing that has a vertex stands in the lines of A, and the edge of m that passes there.
+  Index node_of(Index vertex) const;
+  Index edge_through(int m, Index node_of_a) const;
   /// The face of B to the left of a piece of A.
   Index face_of_b(Index at, Index direction) const {
     const Index under_it = under[at];

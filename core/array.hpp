@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct UninitialisedAllocator : std::allocator<T> {
   using std::allocator<T>::allocator;
   template <class U>
   void construct(U* place) {
-    ::new (static_cast<void*>(place)) U;
+    if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(place)) U;  // else not even zero
   }
   template <class U, class... Arguments>
   void construct(U* place, Arguments&&... arguments) {
@@ -26,7 +27,7 @@ struct UninitialisedAllocator : std::allocator<T> {
   }
 };
 
-/// std::vector in every respect but one: resize() leaves new numbers uninitialised.
+/// std::vector in every respect but one: resize() leaves new numbers and places uninitialised.
 template <class T>
 using Array = std::vector<T, UninitialisedAllocator<T>>;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/crossing_point.hpp"
 #include "core/error.hpp"
@@ -34,14 +35,16 @@ class EdgeWalk {
         range_(range),
         most_(most),
         first_vertex_(range.first_vertex),
-        vertex_count_(range.first_vertex) {}
+        vertex_count_(range.first_vertex),
+        vertex_stop_(range.first_vertex) {}
 
   Walked run() {
     out_.first.reserve(range_.edges_to_come + 1);
     out_.first.resize(range_.end - range_.begin);
     // Terrain gives 2.5 crossings per edge; memory that is never touched costs nothing.
     resize_nodes(5 * static_cast<std::size_t>(range_.edges_to_come) + 64);
-    resize_crossings(3 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    resize_vertices(3 * static_cast<std::size_t>(range_.edges_to_come) + 64);
+    out_.last_on_b.assign(b_.edges(), Node(Node::end, 0));
     for (Index e = range_.begin; e < range_.end; ++e) {
       if ((e & 0xFFFF) == 0) context_.stop_if_cancelled();
       if (node_count_ + 64 > node_stop_) open_nodes();
@@ -54,8 +57,8 @@ class EdgeWalk {
     out_.nodes.resize(node_count_);
     out_.under.resize(node_count_);
     out_.vertex_of_node.resize(node_count_);
-    out_.along_b.resize(crossing_count_);
-    out_.node_of_crossing.resize(vertex_count_ - first_vertex_);
+    out_.along_b.resize(node_count_);
+    out_.vertices = static_cast<Index>(vertex_count_) - first_vertex_;
     out_.points.resize(vertex_count_ + box_corners);
     for (auto& z : out_.heights) z.resize(vertex_count_ + box_corners);
     return std::move(out_);
@@ -63,31 +66,28 @@ class EdgeWalk {
 
  private:
   void open_nodes() {
+    if (node_count_ > most_ + 2 * out_.first.size()) throw too_many_crossings(most_);
     if (node_count_ + 64 > out_.nodes.size()) resize_nodes(2 * out_.nodes.size());
     node_stop_ = next_stop(node_count_ + 64, out_.nodes.size());
     populate(out_.nodes, node_count_, node_stop_);
     populate(out_.under, node_count_, node_stop_);
     populate(out_.vertex_of_node, node_count_, node_stop_);
+    populate(out_.along_b, node_count_, node_stop_);
   }
   void resize_nodes(std::size_t size) {
     out_.nodes.resize(size);
     out_.under.resize(size);
     out_.vertex_of_node.resize(size);
-  }
-  void open_crossings() {
-    if (crossing_count_ > most_) throw too_many_crossings(most_);
-    if (crossing_count_ == out_.along_b.size()) resize_crossings(2 * crossing_count_);
-    crossing_stop_ = next_stop(crossing_count_, out_.along_b.size());
-    const std::size_t more = crossing_stop_ - crossing_count_;  // at most; not every crossing has a vertex
-    const std::size_t v = vertex_count_ - first_vertex_;
-    populate(out_.along_b, crossing_count_, crossing_stop_);
-    populate(out_.node_of_crossing, v, v + more);
-    populate(out_.points, vertex_count_, vertex_count_ + more);
-    for (auto& z : out_.heights) populate(z, vertex_count_, vertex_count_ + more);
-  }
-  void resize_crossings(std::size_t size) {
     out_.along_b.resize(size);
-    out_.node_of_crossing.resize(size);
+  }
+  void open_vertices() {
+    if (vertex_count_ + box_corners == out_.points.size()) resize_vertices(2 * (vertex_count_ - first_vertex_));
+    const std::size_t room = out_.points.size() - box_corners - first_vertex_;
+    vertex_stop_ = first_vertex_ + next_stop(vertex_count_ - first_vertex_, room);
+    populate(out_.points, vertex_count_, vertex_stop_);
+    for (auto& z : out_.heights) populate(z, vertex_count_, vertex_stop_);
+  }
+  void resize_vertices(std::size_t size) {
     out_.points.resize(first_vertex_ + size + box_corners);
     for (auto& z : out_.heights) z.resize(first_vertex_ + size + box_corners);
   }
@@ -98,7 +98,7 @@ class EdgeWalk {
     return junction != none ? Node(Node::junction, junction) : Node(Node::end, h);
   }
   void push(Node node) {
-    out_.vertex_of_node[node_count_] = none;
+    out_.vertex_of_node[node_count_] = ~static_cast<Index>(vertex_count_);
     out_.nodes[node_count_++] = node;
   }
   /// The piece that begins at the last node lies in a face of B, or along one of its half-edges.
@@ -299,7 +299,7 @@ class EdgeWalk {
 
   /// Returns the half-edge on the other side.
   Index cross(const Line& line, const Gate& gate) {
-    if (crossing_count_ == crossing_stop_) open_crossings();
+    if (vertex_count_ == vertex_stop_) open_vertices();
     const LinkedFace& face = b_.links[gate.half >> 2];
     const Index g = face.twin[gate.half & 3], edge = face.edge[gate.half & 3], against = edge & 1;
     // From the nearer end; halfway from the edge's origin, which is its right end unless it runs against this
@@ -311,16 +311,16 @@ class EdgeWalk {
     }
     const Index near = (to_right > to_left) | ((to_right == to_left) & against);
     const double t = std::min(to_right, to_left) / (to_right + to_left), along_b[2] = {t, 1 - t};
-    out_.along_b[crossing_count_++] = static_cast<float>(along_b[near ^ against]);
     const std::size_t node = node_count_;
-    push(Node(static_cast<Node::Kind>(against), edge >> 1));  // leftward is 0, rightward 1
+    out_.along_b[node] = static_cast<float>(along_b[near ^ against]);
+    const Node of_b(static_cast<Node::Kind>(against), static_cast<Index>(node));  // leftward is 0, rightward 1
+    push(std::exchange(out_.last_on_b[edge >> 1], of_b));
     const int real = static_cast<int>(b_.real(gate.half >> 2)) + static_cast<int>(b_.real(g >> 2));
     if (!line.leaves_trace || !(real & traced_)) return g;
     const Point2 at = crossing_point(line.start, line.goal, gate.at[near], gate.at[1 - near], t);
     const double z = b_.z[gate.place[near]];
     const std::size_t v = vertex_count_++;
     out_.vertex_of_node[node] = static_cast<Index>(v);
-    out_.node_of_crossing[v - first_vertex_] = static_cast<Index>(node);
     out_.points[v] = at;
     out_.heights[0][v] = line.height(at);
     out_.heights[1][v] = z + (b_.z[gate.place[1 - near]] - z) * t;
@@ -336,7 +336,7 @@ class EdgeWalk {
   std::size_t most_;
   Walked out_;
   Index first_vertex_;
-  std::size_t vertex_count_, node_count_ = 0, crossing_count_ = 0, node_stop_ = 0, crossing_stop_ = 0;
+  std::size_t vertex_count_, vertex_stop_, node_count_ = 0, node_stop_ = 0;
   Index ahead_of_a_ = 0;  // how far the last shared half-edge is numbered further in B
   Index last_way_ = none;
   Goal goal_;  // of the edge being followed
@@ -352,7 +352,7 @@ Error too_many_crossings(std::size_t most) {
 
 WalkedOffset WalkedOffset::after(const Walked& walked) const {
   return {edges + static_cast<Index>(walked.first.size()), nodes + static_cast<Index>(walked.nodes.size()),
-          vertices + static_cast<Index>(walked.node_of_crossing.size()), crossings + walked.along_b.size()};
+          vertices + walked.vertices, crossings + walked.nodes.size() - 2 * walked.first.size()};
 }
 
 void extend(Walked& all, const WalkedOffset& total, Index first_vertex) {
@@ -360,8 +360,8 @@ void extend(Walked& all, const WalkedOffset& total, Index first_vertex) {
   all.nodes.resize(total.nodes);
   all.under.resize(total.nodes);
   all.vertex_of_node.resize(total.nodes);
-  all.along_b.resize(total.crossings);
-  all.node_of_crossing.resize(total.vertices);
+  all.along_b.resize(total.nodes);
+  all.vertices = total.vertices;
   const std::size_t vertices = static_cast<std::size_t>(first_vertex) + total.vertices + box_corners;
   all.points.resize(vertices);
   for (auto& z : all.heights) z.resize(vertices);
@@ -369,10 +369,9 @@ void extend(Walked& all, const WalkedOffset& total, Index first_vertex) {
 
 void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_vertex, int part) {
   const auto moved = [](const Array<Index>& from, Array<Index>& to, Index offset, Index by) {
-    for (std::size_t i = 0; i < from.size(); ++i) to[offset + i] = from[i] == none ? none : from[i] + by;
+    for (std::size_t i = 0; i < from.size(); ++i) to[offset + i] = from[i] < 0 ? from[i] - by : from[i] + by;
   };
   const Index vertices = first_vertex + at.vertices;
-  const std::size_t count = more.node_of_crossing.size();
   if (part == 0) {
     moved(more.first, all.first, at.edges, at.nodes);
     std::copy(more.nodes.begin(), more.nodes.end(), all.nodes.begin() + at.nodes);
@@ -380,13 +379,11 @@ void append(Walked& all, const WalkedOffset& at, Walked& more, Index first_verte
     for (auto& [place, node] : more.touched) node += at.nodes;
   } else if (part == 1) {
     moved(more.vertex_of_node, all.vertex_of_node, at.nodes, vertices);
-    moved(more.node_of_crossing, all.node_of_crossing, at.vertices, at.nodes);
-    std::copy(more.along_b.begin(), more.along_b.end(),
-              all.along_b.begin() + static_cast<std::ptrdiff_t>(at.crossings));
+    std::copy(more.along_b.begin(), more.along_b.end(), all.along_b.begin() + at.nodes);
   } else if (part == 2) {
-    std::copy_n(more.points.begin(), count, all.points.begin() + vertices);
+    std::copy_n(more.points.begin(), more.vertices, all.points.begin() + vertices);
   } else {
-    for (int m = 0; m < 2; ++m) std::copy_n(more.heights[m].begin(), count, all.heights[m].begin() + vertices);
+    for (int m = 0; m < 2; ++m) std::copy_n(more.heights[m].begin(), more.vertices, all.heights[m].begin() + vertices);
   }
 }
 

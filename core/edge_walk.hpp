@@ -10,11 +10,12 @@ namespace terrane {
 /// beginning of the range.
 struct Walked {
   Array<Index> first;  // per edge of the range: its origin in nodes
-  Array<Node> nodes;   // of a crossing the index is, for now, the edge of B
-  Array<Index> under;  // see Arrangement, as the next one
+  Array<Node> nodes;   // of a crossing, for now, the one found before it on the same edge of B: see last_on_b
+  Array<Node> last_on_b;  // per edge of B: the crossing found last, as its own line will have it; an `end` for none
+  Array<Index> under;     // see Arrangement, as the next one
   Array<Index> vertex_of_node;
-  Array<float> along_b;  // of every crossing in order: how far along B's edge, 0 to 1; relative error below 1e-7
-  Array<Index> node_of_crossing;  // of those that have a vertex, as all that follows
+  Array<float> along_b;  // per node that is a crossing: how far along B's edge, 0 to 1; relative error below 1e-7
+  Index vertices = 0;    // so many crossings have one; theirs is what follows
   Array<Point2> points;
   Array<double> heights[2];
   std::vector<std::array<Index, 2>> touched;  // places of B inside edges of A, each with its node
@@ -24,7 +25,7 @@ struct Walked {
 /// How much the ranges before one found.
 struct WalkedOffset {
   Index edges = 0, nodes = 0, vertices = 0;
-  std::size_t crossings = 0;
+  std::size_t crossings = 0;  // and places of B inside edges of A
   WalkedOffset after(const Walked& walked) const;
 };
 

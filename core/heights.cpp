@@ -25,7 +25,7 @@ void place_vertices(Arrangement& arrangement, Context& context) {
 double FaceHeights::at(Index face, Index vertex, Point2 p) const {
   Index place = none, edge = none;
   if (vertex >= arrangement_.first_crossing) {
-    edge = arrangement_.crossing_edges(vertex)[m_];
+    edge = arrangement_.edge_through(m_, arrangement_.node_of(vertex));
   } else {
     const int own = vertex >= arrangement_.first_b;
     place = arrangement_.place_of_vertex[vertex];

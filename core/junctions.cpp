@@ -19,7 +19,6 @@ class SpokeJoiner {
       : arrangement_(arrangement), node_of_(node_of) {}
 
   void run() {
-    mark_needed();
     const std::size_t junctions = arrangement_.vertex_of_junction.size();
     arrangement_.first_spoke.reserve(junctions + 1);
     for (int m = 0; m < 2; ++m)
@@ -27,7 +26,7 @@ class SpokeJoiner {
         const Location& where = arrangement_.location[m][i];
         if (where.kind == Location::face || (m == 1 && where.kind == Location::place)) continue;
         arrangement_.first_spoke.push_back(static_cast<Index>(arrangement_.spokes.size()));
-        if (needed_[arrangement_.junction_of[m][i]]) join(m, i, where);
+        if (m == 1 || needed(i)) join(m, i, where);
       }
     arrangement_.first_spoke.push_back(static_cast<Index>(arrangement_.spokes.size()));
   }
@@ -41,19 +40,14 @@ class SpokeJoiner {
 
   const CompletedMesh& mesh(int m) const { return *arrangement_.mesh[m]; }
 
-  void mark_needed() {
-    needed_.assign(arrangement_.vertex_of_junction.size(), 0);
-    const Array<Index>* junction_of = arrangement_.junction_of;
-    for (Index f = 0; f < mesh(0).faces(); ++f) {
-      const Index* corner = mesh(0).links[f].corner;
-      const Index junctions[3] = {junction_of[0][corner[0]], junction_of[0][corner[1]], junction_of[0][corner[2]]};
-      if ((junctions[0] & junctions[1] & junctions[2]) == none) continue;
-      if (arrangement_.shared(f)) continue;
-      for (const Index junction : junctions)
-        if (junction != none) needed_[junction] = 1;
+  /// Does a face around a place of A have other edges than one of B has?
+  bool needed(Index place) const {
+    const Index first = mesh(0).out[place];
+    for (Index h = first;;) {
+      if (!arrangement_.shared(h >> 2)) return true;
+      h = mesh(0).rotate(h);
+      if (h == none || h == first) return false;
     }
-    for (Index j = 0; j < static_cast<Index>(mesh(1).places.size()); ++j)
-      if (arrangement_.location[1][j].kind == Location::edge) needed_[junction_of[1][j]] = 1;
   }
 
   void join(int m, Index place, const Location& where) {
@@ -145,7 +139,6 @@ class SpokeJoiner {
 
   Arrangement& arrangement_;
   const Array<Index> (&node_of_)[2];
-  std::vector<std::uint8_t> needed_;
   Point2 centre_;
   std::vector<Leaving> leaving_[2], merged_;
 };

@@ -33,6 +33,20 @@ Rational area2(Point2 a, Point2 b, Point2 c) {
          (Rational(b.y) - Rational(a.y)) * (Rational(c.x) - Rational(a.x));
 }
 
+/// The area2_accurate that doubles cannot tell.
+double area2_slowly(Point2 a, Point2 b, Point2 c) {
+  const double d = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  if (!std::isfinite(d)) return d;
+  const int sign = orientation_exact(a, b, c);
+  if (sign == 0) return 0;
+  using Quad = __float128;
+  const Quad ql = (Quad(b.x) - a.x) * (Quad(c.y) - a.y), qr = (Quad(b.y) - a.y) * (Quad(c.x) - a.x), qd = ql - qr;
+  const Quad size = (ql < 0 ? -ql : ql) + (qr < 0 ? -qr : qr), magnitude = qd < 0 ? -qd : qd;
+  if (magnitude > size * Quad(1e-17) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
+  const double value = CGAL::to_double(area2(a, b, c));
+  return value != 0 ? value : sign * std::numeric_limits<double>::denorm_min();
+}
+
 }  // namespace
 
 int orientation_exact(Point2 a, Point2 b, Point2 c) {
@@ -52,19 +66,6 @@ int orientation_exact(Point2 a, Point2 b, Point2 c) {
     }
   }
   return static_cast<int>(CGAL::orientation(cgal(a), cgal(b), cgal(c)));
-}
-
-double area2_slowly(Point2 a, Point2 b, Point2 c) {
-  const double d = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  if (!std::isfinite(d)) return d;
-  const int sign = orientation_exact(a, b, c);
-  if (sign == 0) return 0;
-  using Quad = __float128;
-  const Quad ql = (Quad(b.x) - a.x) * (Quad(c.y) - a.y), qr = (Quad(b.y) - a.y) * (Quad(c.x) - a.x), qd = ql - qr;
-  const Quad size = (ql < 0 ? -ql : ql) + (qr < 0 ? -qr : qr), magnitude = qd < 0 ? -qd : qd;
-  if (magnitude > size * Quad(1e-17) && magnitude > Quad(1e-300)) return static_cast<double>(qd);
-  const double value = CGAL::to_double(area2(a, b, c));
-  return value != 0 ? value : sign * std::numeric_limits<double>::denorm_min();
 }
 
 double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c) {

@@ -29,19 +29,17 @@ inline int orientation(Point2 a, Point2 b, Point2 c) {
   return orientation_exact(a, b, c);
 }
 
-/// The slow path of `area2_accurate`.
-double area2_slowly(Point2 a, Point2 b, Point2 c);
+/// Twice the signed area of a b c with the exact sign and, above tiny_area, a relative error of 3e-16; several times
+/// slower than area2_accurate on well-shaped triangles.
+double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c);
 
 /// Twice the signed area of a b c with the exact sign (0 only when collinear) and, above tiny_area, a relative error
 /// below 1e-13.
 inline double area2_accurate(Point2 a, Point2 b, Point2 c) {
   const double l = (b.x - a.x) * (c.y - a.y), r = (b.y - a.y) * (c.x - a.x), d = l - r;
   if (std::fabs(d) > 4e-3 * (std::fabs(l) + std::fabs(r)) && std::fabs(d) > 1e-280) return d;
-  return area2_slowly(a, b, c);
+  return area2_to_the_last_digit(a, b, c);
 }
-
-/// The same with a relative error of 3e-16; several times slower on well-shaped triangles.
-double area2_to_the_last_digit(Point2 a, Point2 b, Point2 c);
 
 /// Of a face in plan.
 inline double area2_accurate(const Tin& tin, const Face& f) {
