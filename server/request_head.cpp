@@ -156,7 +156,6 @@ std::string head_for_library(const RequestHead& head, std::uint64_t body_size) {
     }
   };
   pass("Accept-Encoding", "accept-encoding");
-  if (body_size > 0) pass("Content-Encoding", "content-encoding");
   // It compares letter by letter.
   const std::string connection = small(head.value("connection"));
   if (connection.find("close") != std::string::npos) text += "Connection: close\r\n";

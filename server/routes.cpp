@@ -13,6 +13,7 @@
 #include "server/header_fields.hpp"
 #include "server/http_limits.hpp"
 #include "server/request_log.hpp"
+#include "server/unpacking.hpp"
 
 namespace terrane {
 
@@ -116,7 +117,7 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   call.host = head.value("host");
   call.version = request.version;
   call.content_type = head.value("content-type");
-  call.content_encoding = head.value("content-encoding");
+  call.content_encoding = header_value(call, "content-encoding");  // several of them were applied one after the other
   call.content_length = head.value("content-length");
   call.transfer_encoding = head.value("transfer-encoding");
   for (const auto& [name, value] : head.headers) {
@@ -227,11 +228,14 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
   Exchange& exchange = *current;
   exchange.body_is_taken = true;
   const BodySource body = [&](const std::function<void(std::string_view)>& sink) {
-    return reader([&](const char* data, size_t size) {
+    const auto packed = unpacker(exchange.call.content_encoding);
+    const bool is_whole = reader([&](const char* data, size_t size) {
       exchange.bytes_in += size;
+      if (packed) return packed->add({data, size}, sink);
       sink({data, size});
       return true;
     });
+    return is_whole && (!packed || packed->is_complete());
   };
   execute(service, response, body);
 }

@@ -177,7 +177,8 @@ class Requests(BadInput):
             return service.request("POST", "/processes/merge/execution", body, {"Content-Type": kind, **headers})
         for kind in "text/plain", "model/obj", "application/x-www-form-urlencoded":
             self.assert_problem(post(b"v 0 0 0", kind), 415, "multipart/form-data")
-        self.assert_problem(post(b"x", "application/json", **{"Content-Encoding": "zstd"}), 415)
+        for coding in "br", "gzip, gzip":
+            self.assert_problem(post(b"x", "application/json", **{"Content-Encoding": coding}), 415, "zstd")
         self.assert_problem(post(b"not gzip", "application/json", **{"Content-Encoding": "gzip"}), 400)
 
     def test_broken_json(self):
