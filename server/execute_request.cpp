@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "ops/base64.hpp"
 #include "server/json_slices.hpp"
+#include "server/message.hpp"
 
 namespace terrane {
 
@@ -77,7 +78,7 @@ InputPart input_from_qualified(const std::string& slot, const JsonMembers& plain
     if (key == "value") value = slice;
     else if (key == "mediaType") part.media_type = json_string(slice, what);
     else if (key == "encoding") encoding = json_string(slice, what);
-    else if (key == "name") part.name = json_string(slice, what);
+    else if (key == "name") part.name = base_name(json_string(slice, what));
     else if (key != "schema" && key != "format")
       fail("unknown-member",
            "The value of " + slot + " has an unknown member " + key + "; there are value, mediaType, encoding, name.");
@@ -104,7 +105,7 @@ std::optional<InputPart> input_by_reference(const std::string& slot, std::string
     const std::string what = "input " + slot + ", " + key;
     if (key == "href") part.href = json_string(text, what);
     else if (key == "type" || key == "mediaType") part.media_type = json_string(text, what);
-    else if (key == "name") part.name = json_string(text, what);
+    else if (key == "name") part.name = base_name(json_string(text, what));
     else if (std::find(std::begin(others), std::end(others), key) == std::end(others))
       fail("unknown-member",
            "The reference of " + slot + " has an unknown member " + key + "; there are href, type, name.");

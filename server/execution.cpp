@@ -7,8 +7,10 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "ops/operation.hpp"
 #include "ops/sha256.hpp"
+#include "server/header_fields.hpp"
 #include "server/open_file.hpp"
 #include "server/service.hpp"
 
@@ -63,12 +65,6 @@ nlohmann::json run_until_stopped(Workers& workers, const fs::path& folder, const
   }
 }
 
-/// A file name as a client may have it kept: no folders, nothing that could end a header.
-std::string plain_name(std::string_view name) {
-  name = name.substr(name.find_last_of("/\\") + 1);
-  return header_text(name.substr(0, 255));
-}
-
 }  // namespace
 
 Reply reply_of(const nlohmann::json& outcome, const fs::path& out) {
@@ -121,7 +117,7 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
   const Order order{random_id(),      operation.id, base_url(call),
                     call.content_type, call.accept,  call.query,
                     static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
-  write_file(folder.path() / "call.json", to_json(order).dump());
+  write_file(folder.path() / "call.json", json_text(to_json(order)));
   if (later) return run_later(order, folder, call, spooled);
   if (spooled.size > limits_.sync_bytes)
     throw HttpError(413, "too-large-to-wait",
@@ -213,7 +209,7 @@ Reply Service::upload(const Call& call, const BodySource& body) {
   const std::string id = random_id();
   Folder folder(data_.work(id));
   const Spooled spooled = spool(body, folder.path() / "body");
-  const std::string name = plain_name(query_value(call, "name").value_or(""));
+  const std::string name = base_name(query_value(call, "name").value_or(""));
   write_file(folder.path() / "upload.json",
              nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());
   folder.become(data_.upload(id));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/html.hpp"
 #include "server/pages.hpp"
 #include "server/service.hpp"
@@ -224,7 +225,7 @@ std::optional<Reply> Service::job_output(const Call& call, const std::string& id
 Reply Service::converted_output(const Call& call, const std::function<bool()>& client_is_gone) {
   Folder folder(data_.work(random_id()));
   const Order order{random_id(), "convert", base_url(call), "application/json", call.accept, call.query, 1};
-  write_file(folder.path() / "call.json", to_json(order).dump());
+  write_file(folder.path() / "call.json", json_text(to_json(order)));
   write_file(folder.path() / "body", nlohmann::json{{"inputs", {{"surface", {{"href", call.path}}}}}}.dump());
   return run_now(order, folder, client_is_gone);
 }

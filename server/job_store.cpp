@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/sql_database.hpp"
 
 namespace terrane {
@@ -23,15 +24,14 @@ const std::string columns =
 /// PostgreSQL refuses text that is not UTF-8 or holds a zero, and a message may quote what a client sent.
 std::string clean(std::string text) {
   if (std::all_of(text.begin(), text.end(), [](char c) { return c > 0; })) return text;
-  const nlohmann::json quoted = std::move(text);
-  text = nlohmann::json::parse(quoted.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  text = utf8_text(text);
   std::erase(text, '\0');
   return text;
 }
 
 SqlValue json_value(const nlohmann::json& json) {
   if (json.is_null()) return std::monostate();
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json_text(json);
 }
 
 std::int64_t bounded(std::size_t n) {

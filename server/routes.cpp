@@ -9,6 +9,7 @@
 #include <httplib.h>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/front.hpp"
 #include "server/header_fields.hpp"
 #include "server/http_limits.hpp"
@@ -199,6 +200,8 @@ bool answer_header(Service& service, httplib::Response& response) {
       throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
     if (current->call.path.size() > max_path)
       throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
+    for (const auto& [name, text] : current->call.query)
+      if (!is_utf8(name) || !is_utf8(text)) throw HttpError(400, "bad-query", "The query is not in UTF-8.");
     std::optional<Reply> reply = current->policy.answer_early(current->call);
     if (!reply) reply = service.answer_header(current->call);
     if (!reply) return false;

@@ -191,6 +191,43 @@ class Requests(BadInput):
         deep = '{"inputs": {"tiles": {"type": "TIN", "more": ' + '{"a":' * 100 + "1" + "}" * 100 + "}}}"
         self.assert_problem(service.post_json("merge", deep, CRS), 400)
 
+    def test_text_that_is_not_utf8(self):
+        for query in "?%ff=1", "?answer=%ff", "?f=%ff":
+            for headers in {}, {"Prefer": "respond-async"}:
+                answer = service.post_json("echo", {"inputs": {"number": 1}}, query, headers)
+                self.assert_problem(answer, 400, "UTF-8")
+        field = b'--X\r\nContent-Disposition: form-data; name="answer"\r\n\r\n\xff\r\n--X--\r\n'
+        path, kind = "/processes/echo/execution", "multipart/form-data; boundary=X"
+        self.assert_problem(service.request("POST", path, field, {"Content-Type": kind}), 400, "answer", "UTF-8")
+        odd = {"Content-Type": 'application/json; x="\xff"'}
+        self.assertEqual(service.request("POST", path, b'{"inputs": {"number": 1}}', odd).body, b"1\n")
+        for headers in {}, {"Prefer": "respond-async"}:
+            answer = service.post_json("echo", {"inputs": {"number": 1}}, headers={"Accept": "\xff/\xff", **headers})
+            self.assert_problem(answer, 406)
+
+    def test_names_in_another_encoding(self):
+        """Old programs write Latin-1, in names of files and of reference systems."""
+        wkt = ('PROJCS["H\xf6he",GEOGCS["x",DATUM["y",SPHEROID["z",6378137,298]],PRIMEM["g",0],UNIT["degree",'
+               '0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["central_meridian",9],'
+               'PARAMETER["scale_factor",1],PARAMETER["false_easting",500000],UNIT["metre",1]]')
+        text = f"# crs: {wkt}\n{square_obj(0, 0, 10, 1)}".encode("latin-1")
+        part = b'Content-Disposition: form-data; name="surface"; filename="..\\gel\xe4nde\x01.obj"'
+        body, kind = b"--X\r\n" + part + b"\r\n\r\n" + text + b"\r\n--X--\r\n", "multipart/form-data; boundary=X"
+        answer = service.request("POST", "/processes/info/execution", body, {"Content-Type": kind})
+        self.assertEqual(answer.status, 200, answer.body)
+        self.assertEqual(answer.json()["crs"]["name"], "H\xf6he")
+        self.assertEqual(answer.json()["certificate"]["inputs"][0]["name"], "gel\ufffdnde_.obj")
+
+    def test_media_types_and_names_that_are_none(self):
+        for media_type in "text/html\r\nX-Evil: 1", "a\0b", "h\xf6/he":
+            sent = {"value": "aGk=", "encoding": "base64", "mediaType": media_type}
+            self.assert_problem(service.post_json("echo", {"inputs": {"file": sent}}), 400, "media type")
+        self.assert_problem(service.request("POST", "/uploads", b"x", {"Content-Type": "a/\xff"}), 400, "media type")
+        named = {"value": "aGk=", "encoding": "base64", "name": '../a"\r\nX-Evil: 1'}
+        answer = service.post_json("echo", {"inputs": {"file": named}})
+        self.assertEqual((answer.status, answer.body), (200, b"hi"))
+        self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="a___X-Evil: 1"')
+
     def test_broken_forms(self):
         path, kind = "/processes/merge/execution", "multipart/form-data; boundary=X"
         for body in (b"", b"x", b"--X\r\n\r\n", b"--X\r\nContent-Disposition: form-data\r\n\r\n1\r\n--X--",
