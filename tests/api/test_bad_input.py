@@ -182,14 +182,22 @@ class Requests(BadInput):
         self.assert_problem(post(b"not gzip", "application/json", **{"Content-Encoding": "gzip"}), 400)
 
     def test_broken_json(self):
-        bodies = ["{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {"a": 1, "a": 2}}', '{"inputs": {}} x',
-                  '{"inputs": 5}', '{"inpots": {}}', "\xff", '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}',
+        bodies = ["{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {}} x', '{"inputs": 5}',
+                  '{"inpots": {}}', "\xff", '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}',
                   '{"inputs": {"tiles": ' + "[" * 200_000 + "]" * 200_000 + "}}",
                   '{"inputs": {"tiles": ' + "[" * 5_000_000]
         for body in bodies:
             self.assert_problem(service.post_json("merge", body.encode("latin-1"), CRS), 400)
         deep = '{"inputs": {"tiles": {"type": "TIN", "more": ' + '{"a":' * 100 + "1" + "}" * 100 + "}}}"
         self.assert_problem(service.post_json("merge", deep, CRS), 400)
+
+    def test_names_that_come_twice(self):
+        ask = '{"inputs": {"answer": "x"%s}, "outputs": {"answer": {%s}}, "subscriber": {%s}}'
+        mode, uri = '"transmissionMode": "value"', '"failedUri": "http://a"'
+        self.assertEqual(service.post_json("echo", ask % ("", mode, uri)).status, 200)
+        for twice in (', "answer": "y"', mode, uri), ("", mode + "," + mode, uri), ("", mode, uri + "," + uri):
+            self.assert_problem(service.post_json("echo", ask % twice), 400, "second value")
+        self.assert_problem(service.post_json("echo", ask % ("", '"mode": "value"', uri)), 400, "transmissionMode")
 
     def test_text_that_is_not_utf8(self):
         for query in "?%ff=1", "?answer=%ff", "?f=%ff":
