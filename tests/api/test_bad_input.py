@@ -171,6 +171,10 @@ class Requests(BadInput):
             self.assert_problem(answer, 405)
             self.assertTrue(answer.headers["Allow"])
         self.assert_problem(service.request("POST", "/processes", b""), 405)
+        for method in "PROPFIND", "FOO", "get":
+            answer = service.request(method, "/processes")
+            self.assert_problem(answer, 405, "GET")
+            self.assertIn("GET", answer.headers["Allow"])
 
     def test_bodies_of_another_kind(self):
         def post(body, kind, **headers):
