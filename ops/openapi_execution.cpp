@@ -149,6 +149,7 @@ Json answers(const Operation& operation) {
   }
   content["application/json"] = {{"schema", Json::object()}};  // also every document of results
   content["multipart/related"] = {{"schema", {{"type", "string"}}}};
+  if (operation.run_plain) content["*/*"] = {{"schema", {{"type", "string"}}}};  // what is sent is what comes back
   const Json result = {{"description", "The result."},
                        {"headers",
                         {{"Terrane-Warnings", header("How many warnings the certificate holds.", "integer")},

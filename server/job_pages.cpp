@@ -196,7 +196,8 @@ Reply Service::dismiss_job(const Call& call, const std::string& id) {
   return shown(call, *job);
 }
 
-Reply Service::job_results(const Call&, const std::string& id) {
+Reply Service::job_results(const Call& call, const std::string& id) {
+  require_known_parameters(call, {}, "; one output is to be had in another format at its own path");
   const Job job = require_job(id);
   require_results(job);
   Reply reply = reply_of(job.outcome, data_.job(id) / job.outcome.at("folder").get<std::string>());
@@ -206,19 +207,20 @@ Reply Service::job_results(const Call&, const std::string& id) {
   return reply;
 }
 
-/// Nothing when it is wanted in another format, which takes work.
+/// Nothing when it is wanted in another format or otherwise changed, which takes work.
 std::optional<Reply> Service::job_output(const Call& call, const std::string& id, const std::string& output) {
   const Job job = require_job(id);
   const StoredOutput stored = stored_output(data_, job, output);
-  const auto accepted = accepted_media_types(call.accept);
-  if (query_value(call, "f") || !is_accepted(accepted, stored.description.at("media_type").get<std::string>()))
-    return std::nullopt;
+  const auto& media_type = stored.description.at("media_type").get_ref<const std::string&>();
+  const auto& name = stored.description.at("file_name").get_ref<const std::string&>();
+  const bool is_meant = call.query.empty() ? is_accepted(accepted_media_types(call.accept), media_type)
+                                           : call.query.size() == 1 && call.query[0].first == "f" &&
+                                                 name.ends_with("." + call.query[0].second);
+  if (!is_meant) return std::nullopt;
   auto file = std::make_shared<const OpenFile>(stored.file);
-  Reply reply{200, stored.description.at("media_type"), {},
+  Reply reply{200, media_type, {},
               FileBody{file, 0, file->size(), stored.description.at("sha256")}};
-  reply.headers = {{"Content-Disposition",
-                    "attachment; filename=\"" + header_text(stored.description.at("file_name").get<std::string>()) +
-                        "\""}};
+  reply.headers = {{"Content-Disposition", "attachment; filename=\"" + header_text(name) + "\""}};
   return reply;
 }
 
@@ -233,6 +235,7 @@ Reply Service::converted_output(const Call& call, const std::function<bool()>& c
 /// Server-sent events: `status` whenever something changed, until the job is over.
 Reply Service::job_events(const Call& call, const std::string& id) {
   require_job(id);
+  require_known_parameters(call, {});
   const StreamBody events = [this, id, base = base_url(call)](const auto& write) {
     std::string last;
     auto silent_since = std::chrono::steady_clock::now();

@@ -125,7 +125,10 @@ void Service::check_body_header(const Call& call) const {
                         " (--max-body).");
   }
   unpacker(call.content_encoding);  // throws where there is none
-  if (call.path == "/uploads") return require_media_type(call.content_type);
+  if (call.path == "/uploads") {
+    require_known_parameters(call, {"name"});
+    return require_media_type(call.content_type);
+  }
   const bool is_empty = !chunked && std::stoull(length) == 0;
   const std::string type = media_type(call.content_type);
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {

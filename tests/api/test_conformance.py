@@ -146,6 +146,10 @@ class OpenApi(Conformance):
                 schema = content["application/json"]["schema"].get("$ref", "").rsplit("/", 1)[-1]
                 if schema and schema != "results":
                     self.assert_valid(answer.json(), schema)
+        surface = self.done(self.execute("subtract", self.requests()["subtract"], **ASYNC))
+        self.assertEqual(self.get(f"/jobs/{surface}/results/surface?f=obj").media_type, "model/obj")
+        described = document["paths"]["/jobs/{jobId}/results/{output}"]["get"]["responses"]["200"]
+        self.assertIn("*/*", described["content"])
         for process, request in self.requests().items():
             self.assertEqual(self.execute(process, request).status, 200, process)
 

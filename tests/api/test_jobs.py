@@ -86,6 +86,21 @@ class JobsOfOneService(OneService):
         results = self.service.get(f"/jobs/{job}/results")
         self.assert_problem(results, 422)
 
+    def test_an_output_comes_as_it_is_or_as_it_is_asked_for(self):
+        job = submit(self.service).json()["jobID"]
+        wait_for(self.service, job)
+        path = f"/jobs/{job}/results/surface"
+        stored = self.service.get(path)
+        as_it_is = self.service.get(path + "?f=obj", Accept="image/png")
+        self.assertEqual((as_it_is.body, as_it_is.headers["ETag"]), (stored.body, stored.headers["ETag"]))
+        report = self.service.get(f"/jobs/{job}/results/certificate?f=json")
+        self.assertEqual((report.status, report.json()["type"]), (200, "Certificate"))
+        self.assertIn(b"EPSG:25831", self.service.get(path + "?crs=EPSG:25831").body, "other parameters count too")
+        self.assert_problem(self.service.get(path + "?colour=red"), 400, "colour")
+        for other in f"/jobs/{job}/results?f=ply", f"/jobs/{job}/events?colour=red":
+            self.assert_problem(self.service.get(other), 400, "no parameter")
+        self.assert_problem(self.service.request("POST", "/uploads?colour=red", b"x"), 400, "name")
+
     def test_unknown_jobs_and_outputs(self):
         for path in ("/jobs/nothing", "/jobs/" + 32 * "0", f"/jobs/{32 * '0'}/results", "/jobs/..%2f..%2fetc"):
             answer = self.service.get(path)
