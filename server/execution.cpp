@@ -32,17 +32,10 @@ std::string milliseconds_since(Clock::time_point start) {
 
 /// RFC 7240: preferences with commas between, perhaps with parameters.
 bool prefers(const Call& call, std::string_view preference) {
-  const std::string text = header_value(call, "prefer");
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    std::string_view word = std::string_view(text).substr(at, end - at);
-    word = word.substr(0, word.find(';'));
-    while (!word.empty() && word.front() == ' ') word.remove_prefix(1);
-    while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
-    if (word == preference) return true;
-    at = end + 1;
-  }
-  return false;
+  const std::string text = small_letters(header_value(call, "prefer"));
+  const auto words = split_field(text, ',');
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return split_field(word, ';').front() == preference; });
 }
 
 std::string idempotency_key(const Call& call) {

@@ -59,11 +59,11 @@ Instant instant(const std::string& text) {
   std::tm parts{};
   const char* rest = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
   if (!rest) bad_datetime();
-  double fraction = 0;
+  int milliseconds = 0;
   if (*rest == '.') {
-    const auto [end, error] = std::from_chars(rest, text.data() + text.size(), fraction);
-    if (error != std::errc{}) bad_datetime();
-    rest = end;
+    const char* const point = rest++;
+    for (int unit = 100; *rest >= '0' && *rest <= '9'; ++rest, unit /= 10) milliseconds += (*rest - '0') * unit;
+    if (rest == point + 1) bad_datetime();
   }
   int hours = 0, minutes = 0;
   const std::string zone = rest;
@@ -73,8 +73,7 @@ Instant instant(const std::string& text) {
     minutes = static_cast<int>(whole_number("datetime", zone.substr(4, 2), 0));
     if (zone[0] == '-') hours = -hours, minutes = -minutes;
   }
-  return (static_cast<Instant>(timegm(&parts)) - hours * 3600 - minutes * 60) * 1000 +
-         static_cast<Instant>(fraction * 1000);
+  return (static_cast<Instant>(timegm(&parts)) - hours * 3600 - minutes * 60) * 1000 + milliseconds;
 }
 
 void set_interval(JobFilter& filter, const std::string& text) {
@@ -165,7 +164,12 @@ std::optional<Reply> Service::answer_jobs(const Call& call) {
   if (parts.empty()) return job_list(call);
   if (parts.size() == 1) return job_page(call, parts[0]);
   if (is_events) return job_events(call, parts[0]);
-  return parts.size() == 2 ? job_results(call, parts[0]) : job_output(call, parts[0], parts[2]);
+  try {
+    return parts.size() == 2 ? job_results(call, parts[0]) : job_output(call, parts[0], parts[2]);
+  } catch (const Error&) {
+    require_job(parts[0]);  // when it was dismissed or expired meanwhile, that its files are gone is no mistake of ours
+    throw;
+  }
 }
 
 Reply Service::job_list(const Call& call) {
@@ -191,6 +195,7 @@ Reply Service::job_page(const Call& call, const std::string& id) { return shown(
 
 Reply Service::dismiss_job(const Call& call, const std::string& id) {
   require_job(id);
+  shape_wanted(call);  // a request that is refused leaves the job alone
   const auto job = jobs_.dismiss(id);
   if (!job) throw HttpError(404, "no-such-job", "There is no job of that id any more.");
   return shown(call, *job);

@@ -263,7 +263,7 @@ class JobList(Conformance):
                       "/2021-01-01T00:00:00Z", "2020-01-01T00:00:00Z/..", "2020-01-01T00:00:00Z/",
                       "2020-01-01T00:00:00.5%2B02:00"):
             self.get("/jobs?datetime=" + value)
-        for value in "yesterday", "2020-01-01", "../..":
+        for value in "yesterday", "2020-01-01", "../..", "2020-01-01T00:00:00.5e300Z", "2020-01-01T00:00:00.Z":
             self.exception(self.service.get("/jobs?datetime=" + value), 400)
 
     def test_datetime_response(self):

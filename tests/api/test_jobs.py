@@ -3,6 +3,7 @@
 import http.server
 import json
 import os
+import re
 import signal
 import subprocess
 import threading
@@ -100,6 +101,31 @@ class JobsOfOneService(OneService):
         for other in f"/jobs/{job}/results?f=ply", f"/jobs/{job}/events?colour=red":
             self.assert_problem(self.service.get(other), 400, "no parameter")
         self.assert_problem(self.service.request("POST", "/uploads?colour=red", b"x"), 400, "name")
+
+    def test_preferences_have_no_case(self):
+        for text in "Respond-Async", "wait=1, respond-async;x=1", 'x="a, b", RESPOND-ASYNC':
+            self.assertEqual(submit(self.service, Prefer=text).status, 201, text)
+        for text in "respond-async=1", 'x="a, respond-async"', "return=minimal":
+            self.assertEqual(submit(self.service, Prefer=text).status, 200, text)
+
+    def test_a_dismissal_that_is_refused_leaves_the_job(self):
+        job = self.service.post_json("echo", {"inputs": {"pause": 30}}, headers=ASYNC).json()["jobID"]
+        self.assert_problem(self.service.request("DELETE", f"/jobs/{job}?f=pdf"), 400)
+        self.assert_problem(self.service.request("DELETE", "/jobs/" + job, headers={"Accept": "image/png"}), 406)
+        self.assertIn(self.service.get("/jobs/" + job).json()["status"], ("accepted", "running"))
+        self.assertEqual(self.service.request("DELETE", "/jobs/" + job).status, 200)
+
+    def test_results_that_go_while_they_are_asked_for(self):
+        for _ in range(20):
+            job = submit(self.service).json()["jobID"]
+            wait_for(self.service, job)
+            ask = f"GET /jobs/{job}/results/certificate HTTP/1.1\r\nHost: x\r\n".encode()
+            answers = in_background(lambda ask=ask: self.service.raw((ask + b"\r\n") * 1000 + ask +
+                                                                     b"Connection: close\r\n\r\n"))
+            self.service.request("DELETE", "/jobs/" + job)
+            statuses = re.findall(rb"HTTP/1.1 (\d+)", answers())
+            self.assertEqual(len(statuses), 1001)
+            self.assertLessEqual(set(statuses), {b"200", b"404"})
 
     def test_unknown_jobs_and_outputs(self):
         for path in ("/jobs/nothing", "/jobs/" + 32 * "0", f"/jobs/{32 * '0'}/results", "/jobs/..%2f..%2fetc"):
