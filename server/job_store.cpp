@@ -169,7 +169,8 @@ class SqlJobStore : public JobStore {
     // own, which is kept until a job has come with it, and a job that has it already is the answer.
     const std::lock_guard lock(taking_);
     auto job = first(database_->run(
-        "UPDATE terrane_jobs SET status = 'running', owner = $1, claim = $2, started = $3, updated = $3, heard = $3, "
+        "UPDATE terrane_jobs SET status = 'running', message = 'started', owner = $1, claim = $2, started = $3, "
+        "updated = $3, heard = $3, "
         "tellings = 0, tell_at = CASE WHEN subscriber IS NULL THEN NULL ELSE $3 END, "
         "attempts = attempts + CASE WHEN status = 'accepted' THEN 1 ELSE 0 END WHERE number = coalesce("
         "(SELECT number FROM terrane_jobs WHERE claim = $2 AND status = 'running'), "

@@ -244,13 +244,18 @@ class JobsOfOneService(OneService):
         self.assertEqual(document["certificate"]["value"]["type"], "Certificate")
 
     def test_events_tell_every_step(self):
-        job = submit(self.service, [("dem", File("h.asc", hills(300)))], "triangulate", LONG).json()["jobID"]
+        job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
         events = self.service.get(f"/jobs/{job}/events")
         self.assertEqual((events.status, events.media_type), (200, "text/event-stream"))
         told = [json.loads(line[6:]) for line in events.body.decode().splitlines() if line.startswith("data: ")]
         self.assertEqual(told[-1]["status"], "successful")
         progress = [event["progress"] for event in told]
         self.assertEqual(progress, sorted(progress))
+        self.assertTrue([done for done in progress if 0 < done < 100], "on its way too")
+        stages = {event["message"] for event in told if event["status"] == "running"}
+        self.assertLessEqual({"triangulate"}, stages)
+        self.assertNotIn("", stages)
+        self.assertNotIn("waiting", stages)
 
     def test_a_worker_that_dies_is_a_failed_job(self):
         job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
@@ -294,6 +299,28 @@ class Limits(unittest.TestCase):
         self.assertEqual(too_large.status, 413)
         self.assertIn("respond-async", too_large.json()["detail"])
         self.assertEqual(service.post_form("triangulate", small, LONG).status, 200)
+        self.assertEqual(service.close(), 0)
+
+
+class Expiry(unittest.TestCase):
+    def test_jobs_and_uploads_are_kept_for_a_while(self):
+        service = Service("--job-expiry", "2")
+        href = service.request("POST", "/uploads", obj(1), {"Content-Type": "model/obj"}).json()["href"]
+        job = submit(service).json()["jobID"]
+        self.assertEqual(wait_for(service, job)["status"], "successful")
+        self.assertEqual(service.get(f"/jobs/{job}/results").status, 200)
+        end = time.monotonic() + 20
+        while service.get("/jobs/" + job).status == 200 and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertEqual(service.get("/jobs/" + job).status, 404)
+        self.assertEqual(service.get(f"/jobs/{job}/results/surface").status, 404)
+        self.assertEqual(service.get("/jobs").json()["numberMatched"], 0)
+        request = {"inputs": {"surface": {"href": href}, "crs": "local:m"}}
+        while service.post_json("info", request).status == 200 and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertEqual(service.post_json("info", request).status, 422)
+        for folder in "jobs", "uploads":
+            self.assertEqual(os.listdir(os.path.join(service.data.name, folder)), [])
         self.assertEqual(service.close(), 0)
 
 
