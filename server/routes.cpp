@@ -47,13 +47,15 @@ struct Exchange {
   std::size_t bytes_in = 0, bytes_out = 0;
   bool is_filled = false;      // the answer is ours
   bool is_stream = false;      // and made while it is sent
+  bool ends_with_connection = false;
   bool has_ranges = false;     // and parts of it can be had
   std::uint64_t unsent = 0;    // bytes of a file that the front sends; the library only believes it does
   std::string failure;         // what the client is not told, for the log
   /// After a body that nobody wanted, and wherever a body may follow that nobody has received.
   bool must_close() const {
     const bool has_body = request.head.framing != Framing::none;
-    return !has_call || request.head.says_nothing_of_body || (has_body && !(body_is_taken && request.is_complete()));
+    return !has_call || ends_with_connection || request.head.says_nothing_of_body ||
+           (has_body && !(body_is_taken && request.is_complete()));
   }
 };
 thread_local Exchange* current = nullptr;
@@ -173,17 +175,19 @@ void fill(httplib::Response& response, Reply&& plain) {
                                     return sink.write(block.data(), std::min(left, block.size()));
                                   });
   } else {
-    response.set_chunked_content_provider(
-        reply.media_type, [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
-          return send_or_break([&] {
-            stream([&](std::string_view piece) {
-              current->bytes_out += piece.size();
-              return sink.write(piece.data(), piece.size());
-            });
-            sink.done();
-            return true;
-          });
+    const auto provider = [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
+      return send_or_break([&] {
+        stream([&](std::string_view piece) {
+          current->bytes_out += piece.size();
+          return sink.write(piece.data(), piece.size());
         });
+        sink.done();
+        return true;
+      });
+    };
+    current->ends_with_connection = current->call.version == "HTTP/1.0";  // which knows no chunks
+    if (current->ends_with_connection) response.set_content_provider(reply.media_type, provider);
+    else response.set_chunked_content_provider(reply.media_type, provider);
   }
 }
 
