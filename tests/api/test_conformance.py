@@ -161,6 +161,9 @@ class OpenApi(Conformance):
             for status in success:
                 response = resolve(document, operation["responses"][status])
                 self.assertTrue(status == "204" or response["content"], (path, status))
+                for kind, described in response.get("content", {}).items():
+                    if "json" in kind:
+                        self.assertNotEqual(described["schema"].get("type"), "string", (path, kind))
             if path.endswith("/execution"):
                 self.assertLessEqual({"200", "201", "204"}, set(success))
 
