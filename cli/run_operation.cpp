@@ -11,6 +11,7 @@
 #include "cli/files.hpp"
 #include "cli/progress.hpp"
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "ops/parameters.hpp"
 #include "ops/request.hpp"
 
@@ -142,7 +143,7 @@ void run_operation(const Operation& operation, const CommandLine& line) {
   file.keep();
   if (line.report.empty()) return;
   OutputFile report(line.report, line.force);
-  report.write(response.report.dump(2) + "\n");
+  report.write(json_text(response.report, 2) + "\n");
   report.keep();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
+#include <memory>
 
 #include "core/error.hpp"
 #include "io/gdal_library.hpp"
@@ -95,6 +96,14 @@ bool nested_too_deep(std::string_view text) {
   return deepest > max_nesting;
 }
 
+/// Old programs write names in Latin-1; from here they go into documents that are UTF-8.
+std::string in_utf8(const std::string& text) {
+  if (CPLIsUTF8(text.data(), static_cast<int>(text.size()))) return text;
+  const auto made = std::unique_ptr<char, decltype(&CPLFree)>(
+      CPLRecode(text.c_str(), CPL_ENC_ISO8859_1, CPL_ENC_UTF8), &CPLFree);
+  return made.get();
+}
+
 bool import_text(OGRSpatialReference& srs, const std::string& text) {
   srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   const bool done = is_wkt(text)
@@ -134,7 +143,7 @@ Crs Crs::parse(std::string_view given) {
   std::string definition = code(text);
   const bool free_text = is_wkt(text) || text.front() == '{';
   if (definition.empty()) definition = uri(text);
-  if (definition.empty() && free_text) definition = text;
+  if (definition.empty() && free_text) definition = in_utf8(std::string(text));
   if (definition.empty()) bad_crs("the text is neither a code nor WKT, PROJJSON or an opengis.net URI");
   if (free_text && nested_too_deep(text)) bad_crs("the coordinate reference system is nested too deep");
   if (free_text && names_files(text))

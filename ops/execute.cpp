@@ -13,6 +13,7 @@
 #include "ops/grid.hpp"
 #include "ops/heights.hpp"
 #include "ops/input_format.hpp"
+#include "ops/json_value.hpp"
 #include "ops/memory.hpp"
 #include "ops/operation.hpp"
 #include "ops/outcome.hpp"
@@ -160,7 +161,7 @@ void verify_and_encode(const Plan& plan, const Frame& frame, const Tin& tin, con
   if (!body.held_back || format_named(plan.output_format)->carries_certificate) {
     verify();
     WriteOptions options;
-    options.certificate_json = embedded(response.report).dump();
+    options.certificate_json = json_text(embedded(response.report));
     options.provenance = provenance;
     return encode(plan, frame, tin, options, body, response, context);
   }
@@ -190,7 +191,7 @@ std::string encoded(const Outcome& outcome, const nlohmann::json& report, const 
   if (const auto* vectors = std::get_if<Vectors>(&outcome.result)) return write_vectors(*vectors, word);
   if (word == "csv") return outcome.csv();
   if (word == "png") return write_png(outcome.picture());
-  if (word == "json") return report.dump(2) + "\n";
+  if (word == "json") return json_text(report, 2) + "\n";
   Vectors made = outcome.features();
   made.crs = crs;
   return write_vectors(made, word);
@@ -241,7 +242,7 @@ Response execute_plain(const Plan& plan, Context& context, const Body& body) {
   Response response;
   response.media_type = media_type_of(plan.output_format);
   response.file_name = plan.operation->id + extension_of(plan.output_format);
-  response.body = std::get<nlohmann::json>(outcome.result).dump(2) + "\n";
+  response.body = json_text(std::get<nlohmann::json>(outcome.result), 2) + "\n";
   response.parts = std::move(outcome.parts);
   response.warnings = context.warnings;
   if (body.sink) body.sink(std::exchange(response.body, {}));

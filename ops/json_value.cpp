@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 constexpr int max_depth = 64;
 
 std::string shown(const Json& value) {
-  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json_text(value);
   return text.size() <= 80 ? text : text.substr(0, 77) + "...";
 }
 
@@ -89,5 +89,13 @@ nlohmann::json parse_json_value(std::string_view text, const nlohmann::json& sch
   if (const std::string wrong = fault(value, schema, what); !wrong.empty()) refuse(wrong);
   return value;
 }
+
+std::string json_text(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string utf8_text(const std::string& text) { return Json::parse(json_text(text)).get<std::string>(); }
+
+bool is_utf8(const std::string& text) { return utf8_text(text) == text; }
 
 }  // namespace terrane

@@ -13,4 +13,10 @@ namespace terrane {
 /// Error{usage} "bad-parameter" saying which part of `what` is wrong.
 nlohmann::json parse_json_value(std::string_view text, const nlohmann::json& schema, const std::string& what);
 
+/// JSON as text, whatever strings it holds: what is not UTF-8, as in file names of old programs, becomes U+FFFD.
+std::string json_text(const nlohmann::json& value, int indent = -1);
+/// The same for one string.
+std::string utf8_text(const std::string& text);
+bool is_utf8(const std::string& text);
+
 }  // namespace terrane

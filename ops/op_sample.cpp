@@ -9,6 +9,7 @@
 #include "core/parallel.hpp"
 #include "ops/columns.hpp"
 #include "ops/inputs.hpp"
+#include "ops/json_value.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
 
@@ -147,7 +148,7 @@ Vectors features(const Samples& s) {
   for (std::size_t k = 0; k < s.places.size(); ++k) {
     const Samples::Place& place = s.places[k];
     if (k == 0 || place.feature != s.places[k - 1].feature)
-      own = s.features[place.feature].properties.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).size();
+      own = json_text(s.features[place.feature].properties).size();
     repeated.add(own);
     Feature feature = s.features[place.feature];
     if (s.given_heights && !std::isnan(place.at.z)) feature.properties["given_z"] = place.at.z;

@@ -145,10 +145,11 @@ Json answers(const Operation& operation) {
   Json content = Json::object();
   for (const std::string& word : operation.output_formats) {
     const std::string type = media_type_of(word);
-    content[type] = {{"schema", word == "json" ? Json{{"type", "object"}} : Json{{"type", "string"}}}};
+    content[type] = {{"schema", type.ends_with("json") ? Json{{"type", "object"}} : Json{{"type", "string"}}}};
   }
   content["application/json"] = {{"schema", Json::object()}};  // also every document of results
   content["multipart/related"] = {{"schema", {{"type", "string"}}}};
+  if (operation.run_plain) content["*/*"] = {{"schema", {{"type", "string"}}}};  // what is sent is what comes back
   const Json result = {{"description", "The result."},
                        {"headers",
                         {{"Terrane-Warnings", header("How many warnings the certificate holds.", "integer")},

@@ -56,19 +56,22 @@ Json result_answers(const std::string& description, Json ok) {
 }
 
 Json results_paths() {
+  const Json raw = {{"description", "The one output, where it was asked for raw."}};
   Json all = result_answers("The results, wrapped as the execute request said.",
                             {{"content",
-                              {{"application/json", {{"schema", schema("results")}}},
+                              {{"application/json", {{"schema", {{"anyOf", {schema("results"), raw}}}}}},
                                {"multipart/related", {{"schema", binary()}}},
-                               {"application/octet-stream", {{"schema", binary()}}}}}});
+                               {"*/*", {{"schema", binary()}}}}}});
   all["204"] = {{"description", "Raw results by reference: they are in the Link headers."},
                 {"headers", {{"Link", {{"description", "One for each output."}, {"schema", text}}}}}};
   all["422"] = {{"$ref", "#/components/responses/unworkable-input"}};  // a failed job answers as it would have at once
   all["413"] = {{"$ref", "#/components/responses/too-large"}};
   all["415"] = {{"$ref", "#/components/responses/unsupported-media-type"}};
   Json one = result_answers("The output itself.", {{"content",
-                                                    {{"application/json", {{"schema", {{"type", "object"}}}}},
-                                                     {"application/octet-stream", {{"schema", binary()}}}}}});
+                                                    {{"application/json", {{"schema", Json::object()}}},
+                                                     {"*/*", {{"schema", binary()}}}}}});
+  for (const char* status : {"413", "415", "422"}) one[status] = all[status];
+  one["507"] = {{"$ref", "#/components/responses/storage-full"}};
   const Json job = path_parameter("jobId", "As the Location of the job says it."),
              output = path_parameter("output", "The name of an output, or certificate.");
   return {{"/jobs/{jobId}/results",
@@ -110,7 +113,8 @@ Json job_paths() {
                           responses({{"200", events}}, {404}))}}},
       {"/uploads",
        {{"post", operation("upload", "Keep data for later", "Data for one or more executions that follow.", "data",
-                           Json::array(), responses({{"201", kept}}, {408, 411, 413, 415, 507}))}}}};
+                           Json::array({query_parameter("name", text, "The file's name, which may tell its format.")}),
+                           responses({{"201", kept}}, {408, 411, 413, 415, 507}))}}}};
   paths["/uploads"]["post"]["requestBody"] = {{"required", true},
                                               {"content", {{"application/octet-stream", {{"schema", binary()}}}}}};
   paths.update(results_paths());

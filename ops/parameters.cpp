@@ -118,7 +118,12 @@ nlohmann::json parse_parameter(const Parameter& p, std::string_view text) {
       return nullptr;  // what is kept of them is the plan's
     case Parameter::Type::json: return parse_json_value(text, p.schema, "parameter '" + p.name + "'");
     case Parameter::Type::crs:
-    case Parameter::Type::text: return std::string(trimmed(text));
+    case Parameter::Type::text: {
+      std::string word(trimmed(text));
+      if (!is_utf8(word))
+        throw Error(ErrorKind::usage, "bad-parameter", "parameter '" + p.name + "' is not in UTF-8");
+      return word;
+    }
   }
   return nullptr;
 }

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "ops/base64.hpp"
 #include "server/json_slices.hpp"
+#include "server/message.hpp"
 
 namespace terrane {
 
@@ -77,7 +78,7 @@ InputPart input_from_qualified(const std::string& slot, const JsonMembers& plain
     if (key == "value") value = slice;
     else if (key == "mediaType") part.media_type = json_string(slice, what);
     else if (key == "encoding") encoding = json_string(slice, what);
-    else if (key == "name") part.name = json_string(slice, what);
+    else if (key == "name") part.name = base_name(json_string(slice, what));
     else if (key != "schema" && key != "format")
       fail("unknown-member",
            "The value of " + slot + " has an unknown member " + key + "; there are value, mediaType, encoding, name.");
@@ -104,7 +105,7 @@ std::optional<InputPart> input_by_reference(const std::string& slot, std::string
     const std::string what = "input " + slot + ", " + key;
     if (key == "href") part.href = json_string(text, what);
     else if (key == "type" || key == "mediaType") part.media_type = json_string(text, what);
-    else if (key == "name") part.name = json_string(text, what);
+    else if (key == "name") part.name = base_name(json_string(text, what));
     else if (std::find(std::begin(others), std::end(others), key) == std::end(others))
       fail("unknown-member",
            "The reference of " + slot + " has an unknown member " + key + "; there are href, type, name.");
@@ -195,13 +196,18 @@ void read_inputs(const Operation& operation, std::string_view slice, Request& re
   }
 }
 
-std::optional<std::string> media_type_of_format(const nlohmann::json& output, const std::string& name) {
-  const auto format = output.find("format");
-  if (format == output.end()) return std::nullopt;
-  const auto media_type = format->is_object() ? format->find("mediaType") : format->end();
-  if (!format->is_object() || media_type == format->end() || !media_type->is_string())
-    fail("wrong-type", "The format of output " + name + " must be an object with a mediaType.");
-  return media_type->get<std::string>();
+std::string media_type_of_format(std::string_view slice, const std::string& name) {
+  if (json_kind(slice) == '{')
+    for (const auto& [key, value] : json_members(slice))
+      if (key == "mediaType") return json_string(value, "output " + name + ", mediaType");
+  fail("wrong-type", "The format of output " + name + " must be an object with a mediaType.");
+}
+
+bool is_reference(std::string_view slice, const std::string& name) {
+  const nlohmann::json mode = parse_json(slice, "output " + name);
+  if (mode != "value" && mode != "reference")
+    fail("wrong-type", "The transmissionMode of output " + name + " must be value or reference.");
+  return mode == "reference";
 }
 
 /// An operation has outputs of its own; its certificate may be asked for too.
@@ -214,26 +220,32 @@ void read_outputs(const Operation& operation, std::string_view slice, Ask& ask) 
       for (const auto& item : described.items()) names += (names.empty() ? "" : ", ") + item.key();
       fail("unknown-output", "There is no output " + name + "; there are " + names + ".");
     }
-    const nlohmann::json output = parse_json(value, "output " + name);
-    if (!output.is_object()) fail("wrong-type", "The output " + name + " must be an object.");
-    const nlohmann::json mode = output.value("transmissionMode", nlohmann::json("value"));
-    if (mode != "value" && mode != "reference")
-      fail("wrong-type", "The transmissionMode of output " + name + " must be value or reference.");
-    ask.outputs.push_back({name, mode == "reference"});
-    const auto media_type = media_type_of_format(output, name);
-    if (media_type && name != "certificate") ask.request.accept = {*media_type};
+    if (json_kind(value) != '{') fail("wrong-type", "The output " + name + " must be an object.");
+    OutputAsk output{name, false};
+    for (const auto& [key, member] : json_members(value)) {
+      if (key == "transmissionMode") {
+        output.by_reference = is_reference(member, name);
+      } else if (key == "format") {
+        std::string media_type = media_type_of_format(member, name);
+        if (name != "certificate") ask.request.accept = {std::move(media_type)};
+      } else {
+        fail("unknown-member",
+             "The output " + name + " has an unknown member " + key + "; there are format, transmissionMode.");
+      }
+    }
+    ask.outputs.push_back(output);
   }
 }
 
 /// The URIs are checked when something is sent there.
 nlohmann::json read_subscriber(std::string_view slice) {
-  const nlohmann::json subscriber = parse_json(slice, "subscriber");
-  if (!subscriber.is_object()) fail("wrong-type", "The member subscriber must be an object.");
-  for (const auto& [name, uri] : subscriber.items()) {
+  if (json_kind(slice) != '{') fail("wrong-type", "The member subscriber must be an object.");
+  nlohmann::json subscriber = nlohmann::json::object();
+  for (const auto& [name, uri] : json_members(slice)) {
     if (name != "successUri" && name != "inProgressUri" && name != "failedUri")
       fail("unknown-member", "The subscriber has an unknown member " + name +
                                  "; there are successUri, inProgressUri, failedUri.");
-    if (!uri.is_string()) fail("wrong-type", "The " + name + " of the subscriber must be text.");
+    subscriber[name] = json_string(uri, "subscriber, " + name);
   }
   return subscriber;
 }

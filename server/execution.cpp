@@ -7,8 +7,10 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "ops/operation.hpp"
 #include "ops/sha256.hpp"
+#include "server/header_fields.hpp"
 #include "server/open_file.hpp"
 #include "server/service.hpp"
 
@@ -30,17 +32,10 @@ std::string milliseconds_since(Clock::time_point start) {
 
 /// RFC 7240: preferences with commas between, perhaps with parameters.
 bool prefers(const Call& call, std::string_view preference) {
-  const std::string text = header_value(call, "prefer");
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    std::string_view word = std::string_view(text).substr(at, end - at);
-    word = word.substr(0, word.find(';'));
-    while (!word.empty() && word.front() == ' ') word.remove_prefix(1);
-    while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
-    if (word == preference) return true;
-    at = end + 1;
-  }
-  return false;
+  const std::string text = small_letters(header_value(call, "prefer"));
+  const auto words = split_field(text, ',');
+  return std::any_of(words.begin(), words.end(),
+                     [&](std::string_view word) { return split_field(word, ';').front() == preference; });
 }
 
 std::string idempotency_key(const Call& call) {
@@ -61,12 +56,6 @@ nlohmann::json run_until_stopped(Workers& workers, const fs::path& folder, const
     throw Error(ErrorKind::busy, "stopping",
                 "The service is being stopped before the work was done; send it again later.");
   }
-}
-
-/// A file name as a client may have it kept: no folders, nothing that could end a header.
-std::string plain_name(std::string_view name) {
-  name = name.substr(name.find_last_of("/\\") + 1);
-  return header_text(name.substr(0, 255));
 }
 
 }  // namespace
@@ -121,7 +110,7 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
   const Order order{random_id(),      operation.id, base_url(call),
                     call.content_type, call.accept,  call.query,
                     static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
-  write_file(folder.path() / "call.json", to_json(order).dump());
+  write_file(folder.path() / "call.json", json_text(to_json(order)));
   if (later) return run_later(order, folder, call, spooled);
   if (spooled.size > limits_.sync_bytes)
     throw HttpError(413, "too-large-to-wait",
@@ -213,7 +202,7 @@ Reply Service::upload(const Call& call, const BodySource& body) {
   const std::string id = random_id();
   Folder folder(data_.work(id));
   const Spooled spooled = spool(body, folder.path() / "body");
-  const std::string name = plain_name(query_value(call, "name").value_or(""));
+  const std::string name = base_name(query_value(call, "name").value_or(""));
   write_file(folder.path() / "upload.json",
              nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());
   folder.become(data_.upload(id));

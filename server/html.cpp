@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/html.hpp"
 
+#include "ops/json_value.hpp"
+
 namespace terrane {
 
 namespace {
@@ -10,7 +12,7 @@ using Json = nlohmann::json;
 bool is_address(const std::string& text) { return text.starts_with("http://") || text.starts_with("https://"); }
 
 std::string text_of(const Json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return value.is_string() ? value.get<std::string>() : json_text(value);
 }
 
 std::string member(const Json& object, const char* name) {

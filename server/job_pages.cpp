@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/html.hpp"
 #include "server/pages.hpp"
 #include "server/service.hpp"
@@ -58,11 +59,11 @@ Instant instant(const std::string& text) {
   std::tm parts{};
   const char* rest = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
   if (!rest) bad_datetime();
-  double fraction = 0;
+  int milliseconds = 0;
   if (*rest == '.') {
-    const auto [end, error] = std::from_chars(rest, text.data() + text.size(), fraction);
-    if (error != std::errc{}) bad_datetime();
-    rest = end;
+    const char* const point = rest++;
+    for (int unit = 100; *rest >= '0' && *rest <= '9'; ++rest, unit /= 10) milliseconds += (*rest - '0') * unit;
+    if (rest == point + 1) bad_datetime();
   }
   int hours = 0, minutes = 0;
   const std::string zone = rest;
@@ -72,8 +73,7 @@ Instant instant(const std::string& text) {
     minutes = static_cast<int>(whole_number("datetime", zone.substr(4, 2), 0));
     if (zone[0] == '-') hours = -hours, minutes = -minutes;
   }
-  return (static_cast<Instant>(timegm(&parts)) - hours * 3600 - minutes * 60) * 1000 +
-         static_cast<Instant>(fraction * 1000);
+  return (static_cast<Instant>(timegm(&parts)) - hours * 3600 - minutes * 60) * 1000 + milliseconds;
 }
 
 void set_interval(JobFilter& filter, const std::string& text) {
@@ -164,7 +164,12 @@ std::optional<Reply> Service::answer_jobs(const Call& call) {
   if (parts.empty()) return job_list(call);
   if (parts.size() == 1) return job_page(call, parts[0]);
   if (is_events) return job_events(call, parts[0]);
-  return parts.size() == 2 ? job_results(call, parts[0]) : job_output(call, parts[0], parts[2]);
+  try {
+    return parts.size() == 2 ? job_results(call, parts[0]) : job_output(call, parts[0], parts[2]);
+  } catch (const Error&) {
+    require_job(parts[0]);  // when it was dismissed or expired meanwhile, that its files are gone is no mistake of ours
+    throw;
+  }
 }
 
 Reply Service::job_list(const Call& call) {
@@ -190,12 +195,14 @@ Reply Service::job_page(const Call& call, const std::string& id) { return shown(
 
 Reply Service::dismiss_job(const Call& call, const std::string& id) {
   require_job(id);
+  shape_wanted(call);  // a request that is refused leaves the job alone
   const auto job = jobs_.dismiss(id);
   if (!job) throw HttpError(404, "no-such-job", "There is no job of that id any more.");
   return shown(call, *job);
 }
 
-Reply Service::job_results(const Call&, const std::string& id) {
+Reply Service::job_results(const Call& call, const std::string& id) {
+  require_known_parameters(call, {}, "; one output is to be had in another format at its own path");
   const Job job = require_job(id);
   require_results(job);
   Reply reply = reply_of(job.outcome, data_.job(id) / job.outcome.at("folder").get<std::string>());
@@ -205,26 +212,27 @@ Reply Service::job_results(const Call&, const std::string& id) {
   return reply;
 }
 
-/// Nothing when it is wanted in another format, which takes work.
+/// Nothing when it is wanted in another format or otherwise changed, which takes work.
 std::optional<Reply> Service::job_output(const Call& call, const std::string& id, const std::string& output) {
   const Job job = require_job(id);
   const StoredOutput stored = stored_output(data_, job, output);
-  const auto accepted = accepted_media_types(call.accept);
-  if (query_value(call, "f") || !is_accepted(accepted, stored.description.at("media_type").get<std::string>()))
-    return std::nullopt;
+  const auto& media_type = stored.description.at("media_type").get_ref<const std::string&>();
+  const auto& name = stored.description.at("file_name").get_ref<const std::string&>();
+  const bool is_meant = call.query.empty() ? is_accepted(accepted_media_types(call.accept), media_type)
+                                           : call.query.size() == 1 && call.query[0].first == "f" &&
+                                                 name.ends_with("." + call.query[0].second);
+  if (!is_meant) return std::nullopt;
   auto file = std::make_shared<const OpenFile>(stored.file);
-  Reply reply{200, stored.description.at("media_type"), {},
+  Reply reply{200, media_type, {},
               FileBody{file, 0, file->size(), stored.description.at("sha256")}};
-  reply.headers = {{"Content-Disposition",
-                    "attachment; filename=\"" + header_text(stored.description.at("file_name").get<std::string>()) +
-                        "\""}};
+  reply.headers = {{"Content-Disposition", "attachment; filename=\"" + header_text(name) + "\""}};
   return reply;
 }
 
 Reply Service::converted_output(const Call& call, const std::function<bool()>& client_is_gone) {
   Folder folder(data_.work(random_id()));
   const Order order{random_id(), "convert", base_url(call), "application/json", call.accept, call.query, 1};
-  write_file(folder.path() / "call.json", to_json(order).dump());
+  write_file(folder.path() / "call.json", json_text(to_json(order)));
   write_file(folder.path() / "body", nlohmann::json{{"inputs", {{"surface", {{"href", call.path}}}}}}.dump());
   return run_now(order, folder, client_is_gone);
 }
@@ -232,6 +240,7 @@ Reply Service::converted_output(const Call& call, const std::function<bool()>& c
 /// Server-sent events: `status` whenever something changed, until the job is over.
 Reply Service::job_events(const Call& call, const std::string& id) {
   require_job(id);
+  require_known_parameters(call, {});
   const StreamBody events = [this, id, base = base_url(call)](const auto& write) {
     std::string last;
     auto silent_since = std::chrono::steady_clock::now();

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/sql_database.hpp"
 
 namespace terrane {
@@ -23,15 +24,14 @@ const std::string columns =
 /// PostgreSQL refuses text that is not UTF-8 or holds a zero, and a message may quote what a client sent.
 std::string clean(std::string text) {
   if (std::all_of(text.begin(), text.end(), [](char c) { return c > 0; })) return text;
-  const nlohmann::json quoted = std::move(text);
-  text = nlohmann::json::parse(quoted.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  text = utf8_text(text);
   std::erase(text, '\0');
   return text;
 }
 
 SqlValue json_value(const nlohmann::json& json) {
   if (json.is_null()) return std::monostate();
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json_text(json);
 }
 
 std::int64_t bounded(std::size_t n) {
@@ -169,7 +169,8 @@ class SqlJobStore : public JobStore {
     // own, which is kept until a job has come with it, and a job that has it already is the answer.
     const std::lock_guard lock(taking_);
     auto job = first(database_->run(
-        "UPDATE terrane_jobs SET status = 'running', owner = $1, claim = $2, started = $3, updated = $3, heard = $3, "
+        "UPDATE terrane_jobs SET status = 'running', message = 'started', owner = $1, claim = $2, started = $3, "
+        "updated = $3, heard = $3, "
         "tellings = 0, tell_at = CASE WHEN subscriber IS NULL THEN NULL ELSE $3 END, "
         "attempts = attempts + CASE WHEN status = 'accepted' THEN 1 ELSE 0 END WHERE number = coalesce("
         "(SELECT number FROM terrane_jobs WHERE claim = $2 AND status = 'running'), "

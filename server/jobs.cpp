@@ -223,7 +223,7 @@ nlohmann::json Jobs::perform(const Job& job, const std::atomic<bool>& dismissed)
   Instant told = 0;
   Workers::Events events;
   bool lost = false;
-  std::string stage_now;
+  std::string stage_now = job.message;
   int percent_now = 0;
   // The store also says when the job is no longer ours. When it does not answer the work goes on.
   const auto write_progress = [&] {

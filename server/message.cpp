@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ops/errors.hpp"
+#include "ops/json_value.hpp"
 #include "server/header_fields.hpp"
 
 namespace terrane {
@@ -54,7 +55,7 @@ std::string_view status_title(int status) {
 Reply json_reply(const nlohmann::json& value) {
   Reply reply;
   reply.media_type = "application/json";
-  reply.body = value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  reply.body = json_text(value, 2) + "\n";
   return reply;
 }
 
@@ -72,7 +73,7 @@ Reply problem_reply(const std::exception& exception) {
   }
   reply.status = value["status"].get<int>();
   reply.media_type = "application/problem+json";
-  reply.body = value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  reply.body = json_text(value, 2) + "\n";
   return reply;
 }
 
@@ -122,6 +123,18 @@ bool is_accepted(const std::vector<std::string>& accepted, std::string_view medi
 
 std::string media_type(std::string_view content_type) {
   return small_letters(trimmed_field(content_type.substr(0, content_type.find(';'))));
+}
+
+void require_media_type(std::string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; })) return;
+  throw HttpError(400, "bad-media-type", "The media type " + header_text(text.substr(0, 80)) + " is none.");
+}
+
+std::string base_name(std::string_view path) {
+  path = path.substr(path.find_last_of("/\\") + 1);
+  std::string name;
+  for (const char c : path.substr(0, 255)) name += static_cast<unsigned char>(c) < 32 || c == 127 ? '_' : c;
+  return utf8_text(name);
 }
 
 std::string header_text(std::string_view text) {

@@ -92,6 +92,12 @@ bool is_accepted(const std::vector<std::string>& accepted, std::string_view medi
 /// A Content-Type without its parameters, in small letters: media types are the same however they are written.
 std::string media_type(std::string_view content_type);
 
+/// Throws HttpError 400 where a media type that a client gave is not printable ASCII.
+void require_media_type(std::string_view text);
+
+/// A file name as a client may have it kept: no folders, no control characters, UTF-8.
+std::string base_name(std::string_view path);
+
 /// Text for a quoted string in a header: printable ASCII, no quotes, no backslashes.
 std::string header_text(std::string_view text);
 

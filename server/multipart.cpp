@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "server/message.hpp"
 
 namespace terrane {
 
@@ -50,15 +51,6 @@ std::optional<std::string> header_parameter(std::string_view value, std::string_
     if (same_word(key, name)) return text;
   }
   return std::nullopt;
-}
-
-/// What is left of a file name when folders and control characters are gone.
-std::string base_name(std::string_view path) {
-  const std::size_t slash = path.find_last_of("/\\");
-  if (slash != std::string_view::npos) path.remove_prefix(slash + 1);
-  std::string name;
-  for (const char c : path.substr(0, 255)) name += static_cast<unsigned char>(c) < 32 || c == 127 ? '_' : c;
-  return name;
 }
 
 }  // namespace

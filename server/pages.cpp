@@ -155,14 +155,20 @@ std::optional<Reply> description(const Call& call) {
 
 }  // namespace
 
-Shape shape_wanted(const Call& call, std::initializer_list<std::string_view> others, std::string_view media_type) {
+void require_known_parameters(const Call& call, const std::vector<std::string_view>& known,
+                              const std::string& instead) {
   for (const auto& [name, text] : call.query) {
-    if (name == "f" || std::find(others.begin(), others.end(), name) != others.end()) continue;
-    std::string known = "f";
-    for (const std::string_view other : others) known.append(", ").append(other);
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string list;
+    for (const std::string_view word : known) list.append(list.empty() ? "; there is " : ", ").append(word);
     throw HttpError(400, "unknown-parameter",
-                    "There is no parameter " + header_text(name) + " here; there is " + known + ".");
+                    "There is no parameter " + header_text(name) + " here" + list + instead + ".");
   }
+}
+
+Shape shape_wanted(const Call& call, std::vector<std::string_view> others, std::string_view media_type) {
+  others.insert(others.begin(), "f");
+  require_known_parameters(call, others);
   if (const auto f = query_value(call, "f")) {
     if (*f == "json") return Shape::json;
     if (*f == "html") return Shape::html;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/message.hpp"
 
@@ -16,8 +16,12 @@ namespace terrane {
 enum class Shape { json, html };
 /// `others` are query parameters that the resource knows beside `f`; `media_type` is the name of its JSON. Throws
 /// HttpError 400 and 406.
-Shape shape_wanted(const Call& call, std::initializer_list<std::string_view> others = {},
+Shape shape_wanted(const Call& call, std::vector<std::string_view> others = {},
                    std::string_view media_type = "application/json");
+
+/// Throws HttpError 400 for a query parameter that is not known, and says which are, and `instead`.
+void require_known_parameters(const Call& call, const std::vector<std::string_view>& known,
+                              const std::string& instead = "");
 
 /// A value in its shape; `page` makes the body of the page.
 Reply shaped(Shape shape, const std::string& title, const nlohmann::json& value,

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "ops/base64.hpp"
+#include "ops/json_value.hpp"
 #include "ops/operation.hpp"
 #include "ops/request.hpp"
 #include "ops/sha256.hpp"
@@ -89,12 +90,13 @@ Asked asked(const fs::path& folder, const Resolve& resolve) {
     throw HttpError(406, "not-acceptable", "A results document is application/json.");
   if (!ask.as_document && !names_media_type && ask.outputs.size() <= 1) ask.request.accept = accepted;
   fetch_references(ask.request, folder, resolve);
+  for (const InputPart& part : ask.request.inputs) require_media_type(part.media_type);
   result.plan = plan(std::move(ask.request));
   return result;
 }
 
 std::string report_text(const nlohmann::json& report) {
-  return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(report, 2) + "\n";
 }
 
 bool is_json(std::string_view media_type) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/message.hpp"
 #include "server/open_file.hpp"
 #include "server/worker_channel.hpp"
@@ -58,7 +59,7 @@ nlohmann::json References::resolve(const fs::path& folder, const std::string& ba
   const nlohmann::json found = bring(folder, "ref-" + std::to_string(known.size()), base, href);
   known[href] = found;
   unlink(list.c_str());
-  write_file(list, known.dump());
+  write_file(list, json_text(known));
   return found;
 }
 

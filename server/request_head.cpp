@@ -2,6 +2,7 @@
 #include "server/request_head.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <limits>
 
@@ -46,6 +47,14 @@ std::string_view next_line(std::string_view& head) {
   return line;
 }
 
+/// What the library would take for no HTTP at all.
+void require_method(const std::string& method) {
+  constexpr std::array known = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT"};
+  if (std::find(known.begin(), known.end(), method) != known.end()) return;
+  const std::string allowed = "GET, HEAD, POST, DELETE, OPTIONS";
+  throw HttpError(405, "method-not-allowed", "This service takes " + allowed + ".", {{"Allow", allowed}});
+}
+
 void parse_request_line(std::string_view line, RequestHead& head) {
   const std::size_t first = line.find(' '), last = line.rfind(' ');
   constexpr const char* invalid = "The request line is not valid HTTP.";
@@ -57,6 +66,7 @@ void parse_request_line(std::string_view line, RequestHead& head) {
       (head.version != "HTTP/1.1" && head.version != "HTTP/1.0")) {
     refuse(invalid);
   }
+  require_method(head.method);
   // The absolute form, which every server has to understand.
   if (small(head.target).starts_with("http://")) {
     const std::size_t path = head.target.find_first_of("/?", 7);
@@ -156,7 +166,6 @@ std::string head_for_library(const RequestHead& head, std::uint64_t body_size) {
     }
   };
   pass("Accept-Encoding", "accept-encoding");
-  if (body_size > 0) pass("Content-Encoding", "content-encoding");
   // It compares letter by letter.
   const std::string connection = small(head.value("connection"));
   if (connection.find("close") != std::string::npos) text += "Connection: close\r\n";

@@ -9,10 +9,12 @@
 #include <httplib.h>
 
 #include "core/error.hpp"
+#include "ops/json_value.hpp"
 #include "server/front.hpp"
 #include "server/header_fields.hpp"
 #include "server/http_limits.hpp"
 #include "server/request_log.hpp"
+#include "server/unpacking.hpp"
 
 namespace terrane {
 
@@ -45,13 +47,15 @@ struct Exchange {
   std::size_t bytes_in = 0, bytes_out = 0;
   bool is_filled = false;      // the answer is ours
   bool is_stream = false;      // and made while it is sent
+  bool ends_with_connection = false;
   bool has_ranges = false;     // and parts of it can be had
   std::uint64_t unsent = 0;    // bytes of a file that the front sends; the library only believes it does
   std::string failure;         // what the client is not told, for the log
   /// After a body that nobody wanted, and wherever a body may follow that nobody has received.
   bool must_close() const {
     const bool has_body = request.head.framing != Framing::none;
-    return !has_call || request.head.says_nothing_of_body || (has_body && !(body_is_taken && request.is_complete()));
+    return !has_call || ends_with_connection || request.head.says_nothing_of_body ||
+           (has_body && !(body_is_taken && request.is_complete()));
   }
 };
 thread_local Exchange* current = nullptr;
@@ -116,7 +120,7 @@ void adopt(Exchange& exchange, httplib::Request& request) {
   call.host = head.value("host");
   call.version = request.version;
   call.content_type = head.value("content-type");
-  call.content_encoding = head.value("content-encoding");
+  call.content_encoding = header_value(call, "content-encoding");  // several of them were applied one after the other
   call.content_length = head.value("content-length");
   call.transfer_encoding = head.value("transfer-encoding");
   for (const auto& [name, value] : head.headers) {
@@ -171,17 +175,19 @@ void fill(httplib::Response& response, Reply&& plain) {
                                     return sink.write(block.data(), std::min(left, block.size()));
                                   });
   } else {
-    response.set_chunked_content_provider(
-        reply.media_type, [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
-          return send_or_break([&] {
-            stream([&](std::string_view piece) {
-              current->bytes_out += piece.size();
-              return sink.write(piece.data(), piece.size());
-            });
-            sink.done();
-            return true;
-          });
+    const auto provider = [stream = std::get<StreamBody>(reply.body)](size_t, httplib::DataSink& sink) {
+      return send_or_break([&] {
+        stream([&](std::string_view piece) {
+          current->bytes_out += piece.size();
+          return sink.write(piece.data(), piece.size());
         });
+        sink.done();
+        return true;
+      });
+    };
+    current->ends_with_connection = current->call.version == "HTTP/1.0";  // which knows no chunks
+    if (current->ends_with_connection) response.set_content_provider(reply.media_type, provider);
+    else response.set_chunked_content_provider(reply.media_type, provider);
   }
 }
 
@@ -198,6 +204,8 @@ bool answer_header(Service& service, httplib::Response& response) {
       throw HttpError(400, "no-host", "A request of HTTP/1.1 needs one Host header.");
     if (current->call.path.size() > max_path)
       throw HttpError(414, "path-too-long", "The path is longer than 1024 bytes.");
+    for (const auto& [name, text] : current->call.query)
+      if (!is_utf8(name) || !is_utf8(text)) throw HttpError(400, "bad-query", "The query is not in UTF-8.");
     std::optional<Reply> reply = current->policy.answer_early(current->call);
     if (!reply) reply = service.answer_header(current->call);
     if (!reply) return false;
@@ -227,11 +235,14 @@ void read_and_execute(Service& service, httplib::Response& response, const httpl
   Exchange& exchange = *current;
   exchange.body_is_taken = true;
   const BodySource body = [&](const std::function<void(std::string_view)>& sink) {
-    return reader([&](const char* data, size_t size) {
+    const auto packed = unpacker(exchange.call.content_encoding);
+    const bool is_whole = reader([&](const char* data, size_t size) {
       exchange.bytes_in += size;
+      if (packed) return packed->add({data, size}, sink);
       sink({data, size});
       return true;
     });
+    return is_whole && (!packed || packed->is_complete());
   };
   execute(service, response, body);
 }

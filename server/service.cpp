@@ -8,6 +8,7 @@
 #include "ops/operation.hpp"
 #include "server/html.hpp"
 #include "server/pages.hpp"
+#include "server/unpacking.hpp"
 
 namespace terrane {
 
@@ -109,10 +110,7 @@ Reply Service::resource(const Call& call, const std::string& path) {
 
 /// Refuses what can be refused before a byte of the body is read.
 void Service::check_body_header(const Call& call) const {
-  const bool chunked = call.transfer_encoding == "chunked";
-  if (!call.transfer_encoding.empty() && !chunked) {
-    throw HttpError(400, "unknown-transfer-coding", "The only transfer coding understood is chunked.");
-  }
+  const bool chunked = !call.transfer_encoding.empty();  // the front lets no other coding pass
   if (!chunked && call.content_length.empty()) {
     throw HttpError(411, "length-required", "Send a Content-Length, or the body in chunks.");
   }
@@ -126,11 +124,11 @@ void Service::check_body_header(const Call& call) const {
                     "The body is " + length + " bytes; this server takes up to " + std::to_string(limits_.max_body) +
                         " (--max-body).");
   }
-  const std::string& coding = call.content_encoding;
-  if (!coding.empty() && coding != "identity" && coding != "gzip" && coding != "deflate" && coding != "br") {
-    throw HttpError(415, "unknown-content-coding", "The body may be encoded as gzip, deflate or br.");
+  unpacker(call.content_encoding);  // throws where there is none
+  if (call.path == "/uploads") {
+    require_known_parameters(call, {"name"});
+    return require_media_type(call.content_type);
   }
-  if (call.path == "/uploads") return;
   const bool is_empty = !chunked && std::stoull(length) == 0;
   const std::string type = media_type(call.content_type);
   if (!is_empty && type != "multipart/form-data" && type != "application/json") {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "ops/errors.hpp"
+#include "ops/json_value.hpp"
 #include "server/json_slices.hpp"
 #include "server/message.hpp"
 
@@ -19,7 +20,7 @@ constexpr std::size_t longest_line = 1 << 20;
 }  // namespace
 
 bool WorkerChannel::send(const nlohmann::json& message) const {
-  const std::string line = message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string line = json_text(message) + "\n";
   for (std::size_t at = 0; at < line.size();) {
     const ssize_t n = write(socket_, line.data() + at, line.size() - at);
     if (n < 0 && errno == EINTR) continue;

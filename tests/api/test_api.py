@@ -8,6 +8,7 @@ import os
 import subprocess
 import tempfile
 import unittest
+import zlib
 
 from one_service import Problems, for_module
 from service import TERRANE, File, in_background
@@ -161,8 +162,17 @@ class Executions(Problems):
     def test_compressed_bodies_are_the_same(self):
         request = json.dumps({"inputs": {"tiles": [square_tin(0, 0, 100, 10)], **UTM}}).encode()
         plain = service.post_json("merge", request)
-        packed = service.post_json("merge", gzip.compress(request), headers={"Content-Encoding": "gzip"})
-        self.assertEqual((packed.status, packed.body), (200, plain.body))
+        whole, halves = gzip.compress(request), gzip.compress(request[:100]) + gzip.compress(request[100:])
+        for coding, body in ("gzip", whole), ("GZIP", whole), ("x-gzip", halves), ("deflate", zlib.compress(request)):
+            packed = service.post_json("merge", body, headers={"Content-Encoding": coding})
+            self.assertEqual((packed.status, packed.body), (200, plain.body), coding)
+
+    def test_a_compressed_body_that_is_cut_off_is_refused(self):
+        text = "".join(f"v {i} {i * 7 % 13} 0\n" for i in range(10_000)).encode()
+        for coding, body in ("gzip", gzip.compress(text)), ("deflate", zlib.compress(text)):
+            for size in 1, 20, len(body) // 2, len(body) - 1:
+                answer = service.request("POST", "/uploads", body[:size], {"Content-Encoding": coding})
+                self.assert_problem(answer, 400, "ends too early")
 
     def test_f_overrides_accept_and_accept_decides_else(self):
         tiles = [("tiles", File("west.obj", WEST)), ("assume-crs", "EPSG:25831")]

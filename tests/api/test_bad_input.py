@@ -171,24 +171,74 @@ class Requests(BadInput):
             self.assert_problem(answer, 405)
             self.assertTrue(answer.headers["Allow"])
         self.assert_problem(service.request("POST", "/processes", b""), 405)
+        for method in "PROPFIND", "FOO", "get":
+            answer = service.request(method, "/processes")
+            self.assert_problem(answer, 405, "GET")
+            self.assertIn("GET", answer.headers["Allow"])
 
     def test_bodies_of_another_kind(self):
         def post(body, kind, **headers):
             return service.request("POST", "/processes/merge/execution", body, {"Content-Type": kind, **headers})
         for kind in "text/plain", "model/obj", "application/x-www-form-urlencoded":
             self.assert_problem(post(b"v 0 0 0", kind), 415, "multipart/form-data")
-        self.assert_problem(post(b"x", "application/json", **{"Content-Encoding": "zstd"}), 415)
+        for coding in "br", "gzip, gzip":
+            self.assert_problem(post(b"x", "application/json", **{"Content-Encoding": coding}), 415, "zstd")
         self.assert_problem(post(b"not gzip", "application/json", **{"Content-Encoding": "gzip"}), 400)
 
     def test_broken_json(self):
-        bodies = ["{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {"a": 1, "a": 2}}', '{"inputs": {}} x',
-                  '{"inputs": 5}', '{"inpots": {}}', "\xff", '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}',
+        bodies = ["{", "[]", "nonsense", '{"inputs": {"tiles": }}', '{"inputs": {}} x', '{"inputs": 5}',
+                  '{"inpots": {}}', "\xff", '{"inputs": {"tiles": {"href": "http://127.0.0.1:1/"}}}',
                   '{"inputs": {"tiles": ' + "[" * 200_000 + "]" * 200_000 + "}}",
                   '{"inputs": {"tiles": ' + "[" * 5_000_000]
         for body in bodies:
             self.assert_problem(service.post_json("merge", body.encode("latin-1"), CRS), 400)
         deep = '{"inputs": {"tiles": {"type": "TIN", "more": ' + '{"a":' * 100 + "1" + "}" * 100 + "}}}"
         self.assert_problem(service.post_json("merge", deep, CRS), 400)
+
+    def test_names_that_come_twice(self):
+        ask = '{"inputs": {"answer": "x"%s}, "outputs": {"answer": {%s}}, "subscriber": {%s}}'
+        mode, uri = '"transmissionMode": "value"', '"failedUri": "http://a"'
+        self.assertEqual(service.post_json("echo", ask % ("", mode, uri)).status, 200)
+        for twice in (', "answer": "y"', mode, uri), ("", mode + "," + mode, uri), ("", mode, uri + "," + uri):
+            self.assert_problem(service.post_json("echo", ask % twice), 400, "second value")
+        self.assert_problem(service.post_json("echo", ask % ("", '"mode": "value"', uri)), 400, "transmissionMode")
+
+    def test_text_that_is_not_utf8(self):
+        for query in "?%ff=1", "?answer=%ff", "?f=%ff":
+            for headers in {}, {"Prefer": "respond-async"}:
+                answer = service.post_json("echo", {"inputs": {"number": 1}}, query, headers)
+                self.assert_problem(answer, 400, "UTF-8")
+        field = b'--X\r\nContent-Disposition: form-data; name="answer"\r\n\r\n\xff\r\n--X--\r\n'
+        path, kind = "/processes/echo/execution", "multipart/form-data; boundary=X"
+        self.assert_problem(service.request("POST", path, field, {"Content-Type": kind}), 400, "answer", "UTF-8")
+        odd = {"Content-Type": 'application/json; x="\xff"'}
+        self.assertEqual(service.request("POST", path, b'{"inputs": {"number": 1}}', odd).body, b"1\n")
+        for headers in {}, {"Prefer": "respond-async"}:
+            answer = service.post_json("echo", {"inputs": {"number": 1}}, headers={"Accept": "\xff/\xff", **headers})
+            self.assert_problem(answer, 406)
+
+    def test_names_in_another_encoding(self):
+        """Old programs write Latin-1, in names of files and of reference systems."""
+        wkt = ('PROJCS["H\xf6he",GEOGCS["x",DATUM["y",SPHEROID["z",6378137,298]],PRIMEM["g",0],UNIT["degree",'
+               '0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["central_meridian",9],'
+               'PARAMETER["scale_factor",1],PARAMETER["false_easting",500000],UNIT["metre",1]]')
+        text = f"# crs: {wkt}\n{square_obj(0, 0, 10, 1)}".encode("latin-1")
+        part = b'Content-Disposition: form-data; name="surface"; filename="..\\gel\xe4nde\x01.obj"'
+        body, kind = b"--X\r\n" + part + b"\r\n\r\n" + text + b"\r\n--X--\r\n", "multipart/form-data; boundary=X"
+        answer = service.request("POST", "/processes/info/execution", body, {"Content-Type": kind})
+        self.assertEqual(answer.status, 200, answer.body)
+        self.assertEqual(answer.json()["crs"]["name"], "H\xf6he")
+        self.assertEqual(answer.json()["certificate"]["inputs"][0]["name"], "gel\ufffdnde_.obj")
+
+    def test_media_types_and_names_that_are_none(self):
+        for media_type in "text/html\r\nX-Evil: 1", "a\0b", "h\xf6/he":
+            sent = {"value": "aGk=", "encoding": "base64", "mediaType": media_type}
+            self.assert_problem(service.post_json("echo", {"inputs": {"file": sent}}), 400, "media type")
+        self.assert_problem(service.request("POST", "/uploads", b"x", {"Content-Type": "a/\xff"}), 400, "media type")
+        named = {"value": "aGk=", "encoding": "base64", "name": '../a"\r\nX-Evil: 1'}
+        answer = service.post_json("echo", {"inputs": {"file": named}})
+        self.assertEqual((answer.status, answer.body), (200, b"hi"))
+        self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="a___X-Evil: 1"')
 
     def test_broken_forms(self):
         path, kind = "/processes/merge/execution", "multipart/form-data; boundary=X"

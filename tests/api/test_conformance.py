@@ -146,6 +146,10 @@ class OpenApi(Conformance):
                 schema = content["application/json"]["schema"].get("$ref", "").rsplit("/", 1)[-1]
                 if schema and schema != "results":
                     self.assert_valid(answer.json(), schema)
+        surface = self.done(self.execute("subtract", self.requests()["subtract"], **ASYNC))
+        self.assertEqual(self.get(f"/jobs/{surface}/results/surface?f=obj").media_type, "model/obj")
+        described = document["paths"]["/jobs/{jobId}/results/{output}"]["get"]["responses"]["200"]
+        self.assertIn("*/*", described["content"])
         for process, request in self.requests().items():
             self.assertEqual(self.execute(process, request).status, 200, process)
 
@@ -157,6 +161,9 @@ class OpenApi(Conformance):
             for status in success:
                 response = resolve(document, operation["responses"][status])
                 self.assertTrue(status == "204" or response["content"], (path, status))
+                for kind, described in response.get("content", {}).items():
+                    if "json" in kind:
+                        self.assertNotEqual(described["schema"].get("type"), "string", (path, kind))
             if path.endswith("/execution"):
                 self.assertLessEqual({"200", "201", "204"}, set(success))
 
@@ -259,7 +266,7 @@ class JobList(Conformance):
                       "/2021-01-01T00:00:00Z", "2020-01-01T00:00:00Z/..", "2020-01-01T00:00:00Z/",
                       "2020-01-01T00:00:00.5%2B02:00"):
             self.get("/jobs?datetime=" + value)
-        for value in "yesterday", "2020-01-01", "../..":
+        for value in "yesterday", "2020-01-01", "../..", "2020-01-01T00:00:00.5e300Z", "2020-01-01T00:00:00.Z":
             self.exception(self.service.get("/jobs?datetime=" + value), 400)
 
     def test_datetime_response(self):

@@ -154,6 +154,16 @@ class Connections(OneService):
             talk.send(b"GET /health HTTP/1.0\r\nConnection: keep-alive\r\n\r\n" * 2)
             self.assertEqual([talk.answer()[0] for _ in range(2)], [200, 200])
 
+    def test_http_1_0_knows_no_chunks(self):
+        order = b'{"inputs": {"answer": "x", "pause": 1}}'
+        job = self.service.post_json("echo", order, headers={"Prefer": "respond-async"}).json()["jobID"]
+        for connection in b"", b"Connection: keep-alive\r\n":
+            answer = self.service.raw(f"GET /jobs/{job}/events HTTP/1.0\r\n".encode() + connection + b"\r\n")
+            header, body = answer.split(b"\r\n\r\n", 1)
+            self.assertNotIn(b"Transfer-Encoding", header)
+            self.assertIn(b"\r\nConnection: close\r\n", header)
+            self.assertTrue(body.startswith(b"event: status\ndata: {") and body.endswith(b"}\n\n"), body)
+
     def test_heads_have_no_body(self):
         with self.talk() as talk:
             talk.send(b"HEAD /health HTTP/1.1\r\nHost: x\r\n\r\n")

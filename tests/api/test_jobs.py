@@ -3,6 +3,7 @@
 import http.server
 import json
 import os
+import re
 import signal
 import subprocess
 import threading
@@ -85,6 +86,46 @@ class JobsOfOneService(OneService):
         self.assertIn("a.obj", status["message"])
         results = self.service.get(f"/jobs/{job}/results")
         self.assert_problem(results, 422)
+
+    def test_an_output_comes_as_it_is_or_as_it_is_asked_for(self):
+        job = submit(self.service).json()["jobID"]
+        wait_for(self.service, job)
+        path = f"/jobs/{job}/results/surface"
+        stored = self.service.get(path)
+        as_it_is = self.service.get(path + "?f=obj", Accept="image/png")
+        self.assertEqual((as_it_is.body, as_it_is.headers["ETag"]), (stored.body, stored.headers["ETag"]))
+        report = self.service.get(f"/jobs/{job}/results/certificate?f=json")
+        self.assertEqual((report.status, report.json()["type"]), (200, "Certificate"))
+        self.assertIn(b"EPSG:25831", self.service.get(path + "?crs=EPSG:25831").body, "other parameters count too")
+        self.assert_problem(self.service.get(path + "?colour=red"), 400, "colour")
+        for other in f"/jobs/{job}/results?f=ply", f"/jobs/{job}/events?colour=red":
+            self.assert_problem(self.service.get(other), 400, "no parameter")
+        self.assert_problem(self.service.request("POST", "/uploads?colour=red", b"x"), 400, "name")
+
+    def test_preferences_have_no_case(self):
+        for text in "Respond-Async", "wait=1, respond-async;x=1", 'x="a, b", RESPOND-ASYNC':
+            self.assertEqual(submit(self.service, Prefer=text).status, 201, text)
+        for text in "respond-async=1", 'x="a, respond-async"', "return=minimal":
+            self.assertEqual(submit(self.service, Prefer=text).status, 200, text)
+
+    def test_a_dismissal_that_is_refused_leaves_the_job(self):
+        job = self.service.post_json("echo", {"inputs": {"pause": 30}}, headers=ASYNC).json()["jobID"]
+        self.assert_problem(self.service.request("DELETE", f"/jobs/{job}?f=pdf"), 400)
+        self.assert_problem(self.service.request("DELETE", "/jobs/" + job, headers={"Accept": "image/png"}), 406)
+        self.assertIn(self.service.get("/jobs/" + job).json()["status"], ("accepted", "running"))
+        self.assertEqual(self.service.request("DELETE", "/jobs/" + job).status, 200)
+
+    def test_results_that_go_while_they_are_asked_for(self):
+        for _ in range(20):
+            job = submit(self.service).json()["jobID"]
+            wait_for(self.service, job)
+            ask = f"GET /jobs/{job}/results/certificate HTTP/1.1\r\nHost: x\r\n".encode()
+            answers = in_background(lambda ask=ask: self.service.raw((ask + b"\r\n") * 1000 + ask +
+                                                                     b"Connection: close\r\n\r\n"))
+            self.service.request("DELETE", "/jobs/" + job)
+            statuses = re.findall(rb"HTTP/1.1 (\d+)", answers())
+            self.assertEqual(len(statuses), 1001)
+            self.assertLessEqual(set(statuses), {b"200", b"404"})
 
     def test_unknown_jobs_and_outputs(self):
         for path in ("/jobs/nothing", "/jobs/" + 32 * "0", f"/jobs/{32 * '0'}/results", "/jobs/..%2f..%2fetc"):
@@ -203,13 +244,18 @@ class JobsOfOneService(OneService):
         self.assertEqual(document["certificate"]["value"]["type"], "Certificate")
 
     def test_events_tell_every_step(self):
-        job = submit(self.service, [("dem", File("h.asc", hills(300)))], "triangulate", LONG).json()["jobID"]
+        job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
         events = self.service.get(f"/jobs/{job}/events")
         self.assertEqual((events.status, events.media_type), (200, "text/event-stream"))
         told = [json.loads(line[6:]) for line in events.body.decode().splitlines() if line.startswith("data: ")]
         self.assertEqual(told[-1]["status"], "successful")
         progress = [event["progress"] for event in told]
         self.assertEqual(progress, sorted(progress))
+        self.assertTrue([done for done in progress if 0 < done < 100], "on its way too")
+        stages = {event["message"] for event in told if event["status"] == "running"}
+        self.assertLessEqual({"triangulate"}, stages)
+        self.assertNotIn("", stages)
+        self.assertNotIn("waiting", stages)
 
     def test_a_worker_that_dies_is_a_failed_job(self):
         job = submit(self.service, [("dem", File("h.asc", hills(900)))], "triangulate", LONG).json()["jobID"]
@@ -253,6 +299,28 @@ class Limits(unittest.TestCase):
         self.assertEqual(too_large.status, 413)
         self.assertIn("respond-async", too_large.json()["detail"])
         self.assertEqual(service.post_form("triangulate", small, LONG).status, 200)
+        self.assertEqual(service.close(), 0)
+
+
+class Expiry(unittest.TestCase):
+    def test_jobs_and_uploads_are_kept_for_a_while(self):
+        service = Service("--job-expiry", "2")
+        href = service.request("POST", "/uploads", obj(1), {"Content-Type": "model/obj"}).json()["href"]
+        job = submit(service).json()["jobID"]
+        self.assertEqual(wait_for(service, job)["status"], "successful")
+        self.assertEqual(service.get(f"/jobs/{job}/results").status, 200)
+        end = time.monotonic() + 20
+        while service.get("/jobs/" + job).status == 200 and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertEqual(service.get("/jobs/" + job).status, 404)
+        self.assertEqual(service.get(f"/jobs/{job}/results/surface").status, 404)
+        self.assertEqual(service.get("/jobs").json()["numberMatched"], 0)
+        request = {"inputs": {"surface": {"href": href}, "crs": "local:m"}}
+        while service.post_json("info", request).status == 200 and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertEqual(service.post_json("info", request).status, 422)
+        for folder in "jobs", "uploads":
+            self.assertEqual(os.listdir(os.path.join(service.data.name, folder)), [])
         self.assertEqual(service.close(), 0)
 
 

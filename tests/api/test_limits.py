@@ -85,6 +85,12 @@ class Bodies(OneService):
         self.assertEqual(self.post("Content-Length: -2"), 400)
         self.assertEqual(self.post("Transfer-Encoding: gzip"), 400)
 
+    def test_codings_have_no_case(self):
+        body = b"2\r\n{}\r\n0\r\n\r\n"
+        answer = self.service.raw(b"POST /processes/echo/execution HTTP/1.1\r\nHost: x\r\nConnection: close\r\n"
+                                  b"Content-Type: application/json\r\nTransfer-Encoding: Chunked\r\n\r\n" + body)
+        self.assertEqual(int(answer.split()[1]), 204, answer)
+
     def test_broken_chunks(self):
         for body in b"-2\r\n", b"zz\r\nab\r\n0\r\n\r\n", b"5\r\nabcdeX0\r\n\r\n":
             self.assertEqual(self.post("Transfer-Encoding: chunked", body=body), 400)

@@ -74,4 +74,13 @@ expect 3 or true.obj dem.asc -o or.obj
 expect 2 threshold dem.asc -o none.obj
 expect 2 quantize dem.asc --interval 1 --levels 1,2 -o none.obj
 expect 2 xor true.obj true.obj --z-true 0 -o none.obj
+
+# Names of files may be in any encoding; JSON is in UTF-8.
+latin=$(printf 'h\366he.asc')
+cp dem.asc "$latin"
+expect 0 info "$latin" -o info.json
+expect 0 threshold "$latin" --level 2.5 -o true.json --report report.json
+for document in info.json true.json report.json; do
+  iconv -f UTF-8 -t UTF-16 "$document" > /dev/null || { echo "$document is not UTF-8"; failed=1; }
+done
 exit $failed

@@ -96,7 +96,7 @@ TEST_F(SmallService, BodiesAreRefusedByTheirHeader) {
   EXPECT_EQ(status_of(service, post(path, "1", "text/plain")), 415);
   EXPECT_EQ(status_of(service, post("/processes/nope/execution", "1")), 404);
   Call call = post(path, "1");
-  call.content_encoding = "zstd";
+  call.content_encoding = "gzip, gzip";
   EXPECT_EQ(status_of(service, call), 415);
 }
 
