@@ -18,12 +18,12 @@ int main() {
   const Tin b = read("v 2 0 2\nv 6 0 2\nv 6 4 2\nv 2 4 2\nf 1 2 3\nf 1 3 4\n");
   const Assembled difference = combine(a, b, -1, Outside::drop, {}, context);
   const Inspection inspection = inspect(difference.tin);
+  const HeightSpan heights = height_span(difference.tin);
   const Volume between = volume(a, b, 0, {}, context);
   const double area = plan_area(difference.tin);
-  std::printf("area %g, height %g to %g, fill %g, cut %g\n", area, inspection.zmin, inspection.zmax,
-              between.fill.volume, between.cut.volume);
-  const bool right = area == 8 && inspection.zmin == 3 && inspection.zmax == 3 &&
-                     between.fill.volume == 24 && between.cut.volume == 0 &&
-                     inspection.overlaps + inspection.t_junctions + inspection.inverted == 0;
+  std::printf("area %g, height %g to %g, fill %g, cut %g\n", area, heights.low, heights.high, between.fill.volume,
+              between.cut.volume);
+  const bool right = area == 8 && heights.low == 3 && heights.high == 3 && between.fill.volume == 24 &&
+                     between.cut.volume == 0 && inspection.overlaps + inspection.t_junctions + inspection.inverted == 0;
   return right ? 0 : 1;
 }
