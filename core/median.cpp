@@ -152,7 +152,7 @@ class Round {
     const Face& corners = cut_.mesh.faces[f];
     const std::size_t begin = after.layers.size();
     for (const Layer& old : before_.of(label)) {
-      Layer layer{old.tile, {}, {0, 0, 0}, old.face};
+      Layer layer{old.tile, {}, {0, 0, 0}, old.face, old.slope};
       for (int k = 0; k < 3; ++k) {
         layer.z[k] = value_on(cut_, before_.points, before_.faces[label], old.z, corners[k]);
         for (int j = 0; j < 3; ++j)
@@ -231,15 +231,16 @@ class Round {
       if (layer.tile == tile_b) b = &layer;
     }
     if (!a || !b) return;
-    const double rise_a = rise(made, label, tile_a), rise_b = rise(made, label, tile_b);
-    if (owner != label &&
-        !(difference(made.p, label, tile_a, tile_b) == made.dp &&
-          difference(made.q, label, tile_a, tile_b) == made.dq) &&
-        !(difference(made.p, label, tile_a, tile_b) == -made.dp &&
-          difference(made.q, label, tile_a, tile_b) == -made.dq))
-      return;
-    // The flatter one stays flat.
-    const bool a_stays = rise_a != rise_b ? rise_a < rise_b : tile_a < tile_b;
+    if (owner != label && !cross_alike(made, label, tile_a, tile_b)) return;
+    // The flatter one stays flat: the one whose tile slopes less, not the one that rises less along the edge, which the
+    // vertex may have left. The same on both sides of the edge.
+    double slope_a = INFINITY, slope_b = INFINITY;
+    for (const Index face : made.owners) {
+      if (face != owner && (face == none || !cross_alike(made, face, tile_a, tile_b))) continue;
+      slope_a = std::min(slope_a, slope(face, tile_a));
+      slope_b = std::min(slope_b, slope(face, tile_b));
+    }
+    const bool a_stays = slope_a != slope_b ? slope_a < slope_b : tile_a < tile_b;
     (a_stays ? b : a)->z[corner] = (a_stays ? a : b)->z[corner];
     (a_stays ? b : a)->firm[corner] = (a_stays ? a : b)->firm[corner];
   }
@@ -255,8 +256,15 @@ class Round {
   double difference(Index place, Index face, int a, int b) const {
     return height(place, face, a) - height(place, face, b);
   }
-  double rise(const CutVertex& made, Index face, int tile) const {
-    return std::fabs(height(made.q, face, tile) - height(made.p, face, tile));
+  /// Do two tiles differ on `face` as those did that a vertex was made for?
+  bool cross_alike(const CutVertex& made, Index face, int a, int b) const {
+    const double dp = difference(made.p, face, a, b), dq = difference(made.q, face, a, b);
+    return (dp == made.dp && dq == made.dq) || (dp == -made.dp && dq == -made.dq);
+  }
+  /// Of the tile itself: parts thinner than rounding slope as it pleases.
+  double slope(Index face, int tile) const {
+    const auto layers = before_.of(face);
+    return std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.tile == tile; })->slope;
   }
 
   Layered before_;
