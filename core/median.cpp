@@ -79,11 +79,15 @@ bool cross_within_rounding(const Layered& layered, Index f, const Layer& a, cons
 }
 
 /// When every other layer lies on one side of those in the middle, they stay there all over the face.
-Crossing unsettled(const Layered& layered, Index f, double tolerance, bool pass_narrow) {
+Crossing unsettled(const Layered& layered, Index f, double tolerance, int round) {
   const auto layers = layered.of(f);
   if (layers.size() < 3) return {};
   const auto [m, n] = middle(layers, [](const Layer& layer) { return layer.z[0] + layer.z[1] + layer.z[2]; });
-  for (std::size_t j = 0; j < layers.size(); ++j) {
+  // A cut that rounding undoes would be asked for again and again: from the fifth round on the others take turns.
+  const std::size_t first = round < 4 ? 0 : static_cast<std::size_t>(round);
+  const bool pass_narrow = round > 7;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const std::size_t j = (first + i) % layers.size();
     if (j == m || j == n) continue;
     for (const std::size_t inner : {m, n})
       if (cross(layers[inner], layers[j], tolerance) &&
@@ -96,10 +100,10 @@ Crossing unsettled(const Layered& layered, Index f, double tolerance, bool pass_
 /// One round of cuts: every unsettled face along one line.
 class Round {
  public:
-  Round(Layered before, double tolerance, bool pass_narrow)
+  Round(Layered before, double tolerance, int round)
       : before_(std::move(before)), crossings_(before_.faces.size()) {
     for (Index f = 0; f < static_cast<Index>(before_.faces.size()); ++f) {
-      crossings_[f] = unsettled(before_, f, tolerance, pass_narrow);
+      crossings_[f] = unsettled(before_, f, tolerance, round);
       if (crossings_[f].found) ask(f);
     }
   }
@@ -288,7 +292,7 @@ Layered settled(Layered layered, RoundingReport& report, Context& context) {
   const int most = most_rounds(layered);
   for (int round = 0; round < most; ++round) {
     context.progress("median", 1 - 1.0 / (1 + round));
-    Round cuts(std::move(layered), tolerance, round > 7);
+    Round cuts(std::move(layered), tolerance, round);
     if (round >= 4) tolerance = std::min(1e-9, 4 * tolerance);
     const bool done = cuts.settled();
     layered = cuts.run(report, context);
