@@ -90,11 +90,10 @@ class Refiner {
     return without_needless(std::move(result), near, tile, 2 * overlay.rounding.max_move);
   }
 
-  /// A layer of a face, and how steep the tile is there.
+  /// A layer of a face.
   struct Entry {
     std::size_t layer;
     Index face;
-    double slope;
   };
 
   void read_heights() {
@@ -102,12 +101,15 @@ class Refiner {
     for (std::size_t f = 0; f < result_.faces.size(); ++f)
       for (std::size_t l = result_.first[f]; l < result_.first[f + 1]; ++l) {
         const Own own = own_face(l);
-        by_tile[result_.layers[l].tile].push_back({l, static_cast<Index>(f), slope_of_triangle(own.at, own.z)});
+        result_.layers[l].slope = slope_of_triangle(own.at, own.z);
+        by_tile[result_.layers[l].tile].push_back({l, static_cast<Index>(f)});
       }
     first_height_.assign(result_.points.size(), none);
     for (auto& entries : by_tile) {
       // Where rounding moved a vertex off an edge, the flatter of the two faces there knows the height better.
-      std::stable_sort(entries.begin(), entries.end(), [](auto& a, auto& b) { return a.slope < b.slope; });
+      std::stable_sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
+        return result_.layers[a.layer].slope < result_.layers[b.layer].slope;
+      });
       for (const Entry& e : entries) read_vertices(e);
       for (const Entry& e : entries) read_others(e);
       for (const Entry& e : entries)

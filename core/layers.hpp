@@ -17,6 +17,7 @@ struct Layer {
   double z[3];
   std::uint8_t firm[3];  // whether it is the height of a vertex of the tile
   Index face = none;     // of the tile without its walls
+  double slope = 0;      // of that face
 };
 
 /// The common refinement of any number of tiles in plan, with the heights of all tiles on every face.

@@ -79,11 +79,15 @@ bool cross_within_rounding(const Layered& layered, Index f, const Layer& a, cons
 }
 
 /// When every other layer lies on one side of those in the middle, they stay there all over the face.
-Crossing unsettled(const Layered& layered, Index f, double tolerance, bool pass_narrow) {
+Crossing unsettled(const Layered& layered, Index f, double tolerance, int round) {
   const auto layers = layered.of(f);
   if (layers.size() < 3) return {};
   const auto [m, n] = middle(layers, [](const Layer& layer) { return layer.z[0] + layer.z[1] + layer.z[2]; });
-  for (std::size_t j = 0; j < layers.size(); ++j) {
+  // A cut that rounding undoes would be asked for again and again: from the fifth round on the others take turns.
+  const std::size_t first = round < 4 ? 0 : static_cast<std::size_t>(round);
+  const bool pass_narrow = round > 7;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const std::size_t j = (first + i) % layers.size();
     if (j == m || j == n) continue;
     for (const std::size_t inner : {m, n})
       if (cross(layers[inner], layers[j], tolerance) &&
@@ -96,10 +100,10 @@ Crossing unsettled(const Layered& layered, Index f, double tolerance, bool pass_
 /// One round of cuts: every unsettled face along one line.
 class Round {
  public:
-  Round(Layered before, double tolerance, bool pass_narrow)
+  Round(Layered before, double tolerance, int round)
       : before_(std::move(before)), crossings_(before_.faces.size()) {
     for (Index f = 0; f < static_cast<Index>(before_.faces.size()); ++f) {
-      crossings_[f] = unsettled(before_, f, tolerance, pass_narrow);
+      crossings_[f] = unsettled(before_, f, tolerance, round);
       if (crossings_[f].found) ask(f);
     }
   }
@@ -152,7 +156,7 @@ class Round {
     const Face& corners = cut_.mesh.faces[f];
     const std::size_t begin = after.layers.size();
     for (const Layer& old : before_.of(label)) {
-      Layer layer{old.tile, {}, {0, 0, 0}, old.face};
+      Layer layer{old.tile, {}, {0, 0, 0}, old.face, old.slope};
       for (int k = 0; k < 3; ++k) {
         layer.z[k] = value_on(cut_, before_.points, before_.faces[label], old.z, corners[k]);
         for (int j = 0; j < 3; ++j)
@@ -231,15 +235,16 @@ class Round {
       if (layer.tile == tile_b) b = &layer;
     }
     if (!a || !b) return;
-    const double rise_a = rise(made, label, tile_a), rise_b = rise(made, label, tile_b);
-    if (owner != label &&
-        !(difference(made.p, label, tile_a, tile_b) == made.dp &&
-          difference(made.q, label, tile_a, tile_b) == made.dq) &&
-        !(difference(made.p, label, tile_a, tile_b) == -made.dp &&
-          difference(made.q, label, tile_a, tile_b) == -made.dq))
-      return;
-    // The flatter one stays flat.
-    const bool a_stays = rise_a != rise_b ? rise_a < rise_b : tile_a < tile_b;
+    if (owner != label && !cross_alike(made, label, tile_a, tile_b)) return;
+    // The flatter one stays flat: the one whose tile slopes less, not the one that rises less along the edge, which the
+    // vertex may have left. The same on both sides of the edge.
+    double slope_a = INFINITY, slope_b = INFINITY;
+    for (const Index face : made.owners) {
+      if (face != owner && (face == none || !cross_alike(made, face, tile_a, tile_b))) continue;
+      slope_a = std::min(slope_a, slope(face, tile_a));
+      slope_b = std::min(slope_b, slope(face, tile_b));
+    }
+    const bool a_stays = slope_a != slope_b ? slope_a < slope_b : tile_a < tile_b;
     (a_stays ? b : a)->z[corner] = (a_stays ? a : b)->z[corner];
     (a_stays ? b : a)->firm[corner] = (a_stays ? a : b)->firm[corner];
   }
@@ -255,8 +260,15 @@ class Round {
   double difference(Index place, Index face, int a, int b) const {
     return height(place, face, a) - height(place, face, b);
   }
-  double rise(const CutVertex& made, Index face, int tile) const {
-    return std::fabs(height(made.q, face, tile) - height(made.p, face, tile));
+  /// Do two tiles differ on `face` as those did that a vertex was made for?
+  bool cross_alike(const CutVertex& made, Index face, int a, int b) const {
+    const double dp = difference(made.p, face, a, b), dq = difference(made.q, face, a, b);
+    return (dp == made.dp && dq == made.dq) || (dp == -made.dp && dq == -made.dq);
+  }
+  /// Of the tile itself: parts thinner than rounding slope as it pleases.
+  double slope(Index face, int tile) const {
+    const auto layers = before_.of(face);
+    return std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.tile == tile; })->slope;
   }
 
   Layered before_;
@@ -280,7 +292,7 @@ Layered settled(Layered layered, RoundingReport& report, Context& context) {
   const int most = most_rounds(layered);
   for (int round = 0; round < most; ++round) {
     context.progress("median", 1 - 1.0 / (1 + round));
-    Round cuts(std::move(layered), tolerance, round > 7);
+    Round cuts(std::move(layered), tolerance, round);
     if (round >= 4) tolerance = std::min(1e-9, 4 * tolerance);
     const bool done = cuts.settled();
     layered = cuts.run(report, context);

@@ -128,6 +128,44 @@ TEST(Median, OfSmallMeshesFullOfSlivers) {
   }
 }
 
+TEST(Median, ASliverThatRisesLittleAlongItsEdgesLiftsNoTerrain) {
+  // The sliver rises 2e9 metres per metre, but less than the steep tile along the edges that are cut where they cross.
+  const Tin sliver{{{333333.3513142431, 5000001.307302013, 3.06},
+                    {333333.78480749601, 5000001.2036332469, 2},
+                    {333333.98994119535, 5000001.1545760669, -2.9721865244553709}},
+                   {{0, 1, 2}}};
+  const Tin gentle{{{333333.50100766728, 5000000.9974581236, -3.4},
+                    {333333.63305522659, 5000001.4345699931, 4.9},
+                    {333333.77257915505, 5000001.1036312189, -1}},
+                   {{0, 2, 1}}};
+  const Tin steep{{{333333.65363031212, 5000001.120658841, 40},
+                   {333333.57512176642, 5000001.3171156533, 160.90096246920777},
+                   {333333.80993051408, 5000001.375, -138.4}},
+                  {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(sliver), canonical(gentle), canonical(steep)};
+  const MergeOptions options{Overlap::median, {}};
+  EXPECT_EQ(support::broken_promises(tiles, options, merged(tiles, options)), "");
+}
+
+TEST(Median, ACutThatRoundingUndoesKeepsNoOtherFromBeingMade) {
+  // Along the sliver all three cross, two of them where it is too thin for their cut.
+  const Tin sliver{{{333333.3513142431, 5000001.307302013, 2.6},
+                    {333333.78480749601, 5000001.2036332469, 0.71014970264488875},
+                    {333333.98994119535, 5000001.1545760669, -4}},
+                   {{0, 1, 2}}};
+  const Tin gentle{{{333333.6990259313, 5000001.0810913453, -1.1003594088182831},
+                    {333333.73014068604, 5000001.125, -1},
+                    {333333.63153076172, 5000001.4375, 1.4}},
+                   {{0, 1, 2}}};
+  const Tin steep{{{333333.56648366008, 5000001.2325808052, 181.8385447753252},
+                   {333333.76245117188, 5000001.3178895684, -130},
+                   {333333.689453125, 5000001.080078125, 43.195747988370428}},
+                  {{0, 2, 1}}};
+  const std::vector<Tin> tiles{canonical(sliver), canonical(gentle), canonical(steep)};
+  const MergeOptions options{Overlap::median, {}};
+  EXPECT_EQ(support::broken_promises(tiles, options, merged(tiles, options)), "");
+}
+
 TEST(Level, CutsOffWhatLiesBeyondIt) {
   const Tin ramp = drawn("0369\n0369\n0369"), east = drawn("222\n222\n222", 1, {3, 0});
   for (const auto policy : {Overlap::min, Overlap::max}) {
