@@ -224,19 +224,26 @@ bool is_canonical(std::span<const Point> vertices, std::span<const Face> faces, 
   parallel_for(context, faces.size(), chunk_for(context, faces.size()), [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const auto [a, b, c] = faces[f];
-      if (a == none || faces[f] != from_lowest(a, b, c) || (f > 0 && faces[f] < faces[f - 1])) return is.store(false);
+      const bool from_low = (a < b && a < c) || faces[f] == from_lowest(a, b, c);
+      const bool in_order = f == 0 || faces[f - 1][0] < a || faces[f - 1] <= faces[f];
+      if (a == none || !from_low || !in_order) return is.store(false);
     }
   });
   if (!is) return false;
   const HilbertCurve curve(bounds(vertices, context));
   const auto plain = [](double v) { return std::isfinite(v) && !(v == 0 && std::signbit(v)); };
   parallel_for(context, vertices.size(), chunk_for(context, vertices.size()), [&](std::size_t begin, std::size_t end) {
-    std::uint64_t last = begin > 0 ? curve.key(vertices[begin - 1].x, vertices[begin - 1].y) : 0;
+    const auto upper_key = [&](const Point& p) { return curve.upper_key<40>(p.x, p.y); };
+    const auto follows = [&](const Point& p, const Point& q) {
+      const std::uint64_t of_p = curve.key(p.x, p.y), of_q = curve.key(q.x, q.y);
+      return of_p != of_q ? of_p < of_q : before(p, q);
+    };
+    std::uint64_t last = begin > 0 ? upper_key(vertices[begin - 1]) : 0;
     for (std::size_t v = begin; v < end; ++v) {
       const Point& p = vertices[v];
-      const std::uint64_t key = curve.key(p.x, p.y);
+      const std::uint64_t key = upper_key(p);
       if (!plain(p.x) || !plain(p.y) || !plain(p.z)) return is.store(false);
-      if (key < last || (key == last && v > 0 && !before(vertices[v - 1], p))) return is.store(false);
+      if (key < last || (key == last && v > 0 && !follows(vertices[v - 1], p))) return is.store(false);
       last = key;
     }
   });
