@@ -62,6 +62,7 @@ class ZstdUnpacker : public Unpacker {
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     bool is_full = false;
     while (in.pos < in.size || is_full) {
+      if (is_between_ && !begins_frame(bytes[in.pos])) return false;
       ZSTD_outBuffer out{out_.data(), out_.size(), 0};
       const std::size_t left = ZSTD_decompressStream(state_, &out, &in);
       if (ZSTD_isError(left)) return false;
@@ -73,6 +74,10 @@ class ZstdUnpacker : public Unpacker {
   }
 
  private:
+  /// A frame of RFC 8878. The library also reads what versions before 0.8 wrote, each of which begins with a byte of its
+  /// own, and passes over frames without content, without saying where these end.
+  static bool begins_frame(char first) { return first == 0x28; }
+
   ZSTD_DCtx* state_;
   std::string out_;
 };

@@ -52,6 +52,14 @@ TEST(Unpacking, WhatWasPackedComesOutInPiecesOfAnySize) {
   }
 }
 
+TEST(Unpacking, ZstdIsThatOfTheStandardNotOfItsOldVersions) {
+  const std::string old("\x25\xb5\x2f\xfd\x04\xfd\x04\x58", 8), frame = packed(long_text(), "zstd");
+  for (const std::size_t piece : {1, 3, 8}) {
+    EXPECT_FALSE(unpacked("zstd", old, piece));
+    EXPECT_FALSE(unpacked("zstd", frame + old, piece));
+  }
+}
+
 TEST(Unpacking, WhatIsCutOffOrDamagedIsBroken) {
   const std::string text = long_text();
   for (const std::string coding : {"gzip", "deflate", "zstd"}) {
