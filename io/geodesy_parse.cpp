@@ -159,7 +159,7 @@ Crs Crs::parse(std::string_view given) {
   const bool with_file = exported && lower(wkt).find("parameterfile") != std::string::npos;
   CPLFree(wkt);
   if (with_file) bad_crs("the coordinate reference system names grid files, which is not allowed");
-  crs.impl_ = Impl::of(std::move(srs), definition == text && free_text ? "" : definition);
+  crs.impl_ = Impl::of(std::move(srs), free_text ? "" : definition);
   return crs;
 }
 

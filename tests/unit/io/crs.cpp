@@ -32,6 +32,18 @@ TEST(Crs, IsGivenInManyWays) {
             "EPSG:25831+5773");
 }
 
+TEST(Crs, WktInLatin1SaysTheSameInUtf8) {
+  std::string utf8 = Crs::parse("EPSG:25831").wkt1(), latin1 = utf8;
+  const std::size_t name = utf8.find("UTM");
+  utf8.replace(name, 1, "\xc3\x9c");
+  latin1.replace(name, 1, "\xdc");
+  const Crs crs = Crs::parse(latin1);
+  EXPECT_EQ(crs.id(), "EPSG:25831");
+  EXPECT_EQ(crs.wkt(), Crs::parse(utf8).wkt());
+  const std::string unknown = latin1.substr(0, latin1.rfind(",AUTHORITY")) + "]";
+  EXPECT_EQ(Crs::parse(Crs::parse(unknown).id()).id(), Crs::parse(unknown).id());
+}
+
 TEST(Crs, KnowsItsUnits) {
   const Crs feet = Crs::parse("EPSG:2263+6360");
   EXPECT_EQ(feet.length_unit(), "ftUS");
