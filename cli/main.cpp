@@ -13,7 +13,7 @@
 #include "core/error.hpp"
 #include "ops/errors.hpp"
 #include "server/settings.hpp"
-#include "server/worker_process.hpp"
+#include "server/worker/worker_process.hpp"
 
 // The command-line door: it walks the catalogue.
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "core/merge/ramp.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
-#include "core/ramp.hpp"
 
 namespace terrane {
 namespace {

@@ -13,10 +13,10 @@
 
 #include "core/box.hpp"
 #include "core/corner_heights.hpp"
-#include "core/cut_walls.hpp"
 #include "core/parallel.hpp"
-#include "core/region_cells.hpp"
+#include "core/plan/region_cells.hpp"
 #include "core/surface.hpp"
+#include "core/surface/cut_walls.hpp"
 
 namespace terrane {
 namespace {

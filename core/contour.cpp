@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "core/half_edges.hpp"
+#include "core/mesh/half_edges.hpp"
 #include "core/parallel.hpp"
 #include "core/topology.hpp"
 #include "core/triangle_height.hpp"

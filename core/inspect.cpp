@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/array.hpp"
+#include "core/mesh/array.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"

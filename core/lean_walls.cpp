@@ -10,10 +10,10 @@
 #include "core/corner_heights.hpp"
 #include "core/error.hpp"
 #include "core/mosaic.hpp"
+#include "core/plan/region_fill.hpp"
 #include "core/plan_grid.hpp"
 #include "core/predicates.hpp"
-#include "core/region_fill.hpp"
-#include "core/single_valued.hpp"
+#include "core/surface/single_valued.hpp"
 #include "core/triangle_height.hpp"
 #include "core/validate.hpp"
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "core/edge_cuts.hpp"
 #include "core/error.hpp"
 #include "core/mosaic.hpp"
 #include "core/predicates.hpp"
 #include "core/shortest.hpp"
+#include "core/surface/edge_cuts.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {

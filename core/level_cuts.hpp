@@ -23,8 +23,8 @@ struct LevelZones {
 /// A zone takes in what of the domain it has in plan: where the surface only reaches a level, at a peak or along a
 /// ridge, nothing is. Walls are looked through: beside one, each side is divided at its own heights, and every cut is a
 /// point of the faces on both sides. Crossings of edges and levels are made once, from the edge's ends in an order of
-/// their places, so that tiles that share an edge cut it at the same doubles; rounded and verified as in core/rounding.
-/// The zones come dissolved (core/zones).
+/// their places, so that tiles that share an edge cut it at the same doubles; rounded and verified as in
+/// core/rounding/rounding. The zones come dissolved (core/zones).
 ///
 /// `levels` ascend. Throws Error{input} where two that the surface reaches are so close that doubles cannot keep their
 /// crossings apart (1e-9 of the largest height), and where the surface crosses them more than 50 million times.

@@ -16,8 +16,8 @@
 // are dissolved and triangulated anew. That is the boolean operation on the polygons, exact in its topology, and it has
 // three advantages over operating on rings: unknown, false and true are three answers, not two; touching corners,
 // nested rings and shared borders need no conventions; and crossings become doubles under the overlay's promises
-// (core/rounding), so that no face is inverted and no border passes through a vertex of another. Booleans on rings with
-// exact coordinates would leave that rounding to be done, and to be verified, afterwards.
+// (core/rounding/rounding), so that no face is inverted and no border passes through a vertex of another. Booleans on
+// rings with exact coordinates would leave that rounding to be done, and to be verified, afterwards.
 namespace terrane {
 
 enum Truth : Index { is_false = 0, is_true = 1 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/canvas.hpp"
+#include "core/picture/canvas.hpp"
 #include "core/ticks.hpp"
 
 namespace terrane {

@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "core/corner_heights.hpp"
-#include "core/median.hpp"
-#include "core/merge_step.hpp"
+#include "core/merge/median.hpp"
+#include "core/merge/merge_step.hpp"
 #include "core/predicates.hpp"
 #include "core/side_by_side.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/blend.hpp"
-#include "core/gaps.hpp"
+#include "core/merge/blend.hpp"
+#include "core/merge/gaps.hpp"
 #include "core/plan_metric.hpp"
 #include "core/surface.hpp"
 #include "core/tin.hpp"
@@ -19,7 +19,7 @@ struct MergeOptions {
   Overlap overlap = Overlap::first;
   Assembly assembly;
   std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
-  double gap = 0;                    // slits between tiles up to this width are bridged (core/gaps)
+  double gap = 0;                    // slits between tiles up to this width are bridged (core/merge/gaps)
   PlanMetric metric = {};            // of the gap, and of what is said about seams
   BlendOptions blend = {};           // of blend
 };
@@ -59,9 +59,9 @@ std::vector<int> order_by_content(const std::vector<Tin>& tiles);
 
 /// One TIN of n tiles (each checked). Pairwise overlays in an order taken from the tiles' content, so that min, max,
 /// mean, median and sum give the same bytes for any order given; first and last paste in the order given, and blend
-/// fades each tile into those before it (core/blend). Seam::ramp slopes jumps after every tile (core/ramp). Where tiles
-/// share only a border it is made conforming. Islands are never connected. Empty tiles are the identity. Time grows
-/// with the tiles: faces far from the tile being added are not visited by its overlay.
+/// fades each tile into those before it (core/merge/blend). Seam::ramp slopes jumps after every tile (core/merge/ramp).
+/// Where tiles share only a border it is made conforming. Islands are never connected. Empty tiles are the identity.
+/// Time grows with the tiles: faces far from the tile being added are not visited by its overlay.
 Merged merge(const std::vector<Tin>& tiles, const MergeOptions& options, Context& context);
 
 }  // namespace terrane

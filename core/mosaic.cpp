@@ -6,7 +6,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "core/place_order.hpp"
+#include "core/plan/place_order.hpp"
 
 namespace terrane {
 namespace {

@@ -8,18 +8,18 @@
 #include <numeric>
 #include <optional>
 
-#include "core/arrangement.hpp"
 #include "core/box.hpp"
-#include "core/depth.hpp"
 #include "core/error.hpp"
-#include "core/heights.hpp"
-#include "core/mended_heights.hpp"
-#include "core/overlay_faces.hpp"
+#include "core/overlay/arrangement.hpp"
+#include "core/overlay/depth.hpp"
+#include "core/overlay/heights.hpp"
+#include "core/overlay/mended_heights.hpp"
+#include "core/overlay/overlay_faces.hpp"
+#include "core/overlay/shared_faces.hpp"
+#include "core/overlay/snapping.hpp"
 #include "core/parallel.hpp"
-#include "core/rounding.hpp"
-#include "core/segment_index.hpp"
-#include "core/shared_faces.hpp"
-#include "core/snapping.hpp"
+#include "core/plan/segment_index.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "core/array.hpp"
 #include "core/context.hpp"
+#include "core/mesh/array.hpp"
 #include "core/tin.hpp"
 
 // The common refinement of two TINs in plan: the one place of hard geometry. Everything else folds, filters or
@@ -12,8 +12,8 @@
 namespace terrane {
 
 enum class Refinement {
-  full,  // faces of A and B cut each other wherever both exist
-  paste,  // A covers B: faces of A stay whole but for vertices of B on A's border; B is cut away under A
+  full,    // faces of A and B cut each other wherever both exist
+  paste,   // A covers B: faces of A stay whole but for vertices of B on A's border; B is cut away under A
   outline  // B is one area: its border cuts A's faces, its inner edges do not
 };
 
@@ -39,8 +39,8 @@ struct RoundingReport {
 };
 
 struct Overlay {
-  Array<Point2> points;                 // each place once
-  Array<Face> faces;                    // counter-clockwise, all strictly positive; they cover the union of the domains
+  Array<Point2> points;  // each place once
+  Array<Face> faces;     // counter-clockwise, all strictly positive; they cover the union of the domains
   /// The face of A and of B that a face lies on; `none` outside that domain. With Refinement::outline 0 inside B.
   Array<std::array<Index, 2>> parents;
   /// Heights of A and B: one per point where the input is continuous, else one per corner (3 * face + corner).
@@ -66,9 +66,9 @@ struct Overlay {
 ///  canonical().
 /// Precondition: both are valid, as checked() returns them (core/validate); in canonical order it is quickest. Walls
 /// are looked through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time
-/// and memory grow with input + output; what both share costs next to nothing (core/shared_faces). Throws Error{input,
-/// "rounding"} naming the place when the promise cannot be kept. See Jiao & Heath (2004) for the edge walk, and
-/// core/rounding.hpp.
+/// and memory grow with input + output; what both share costs next to nothing (core/overlay/shared_faces). Throws
+/// Error{input, "rounding"} naming the place when the promise cannot be kept. See Jiao & Heath (2004) for the edge
+/// walk, and core/rounding/rounding.hpp.
 Overlay overlay(const Tin& a, const Tin& b, const OverlayOptions& options, Context& context);
 
 }  // namespace terrane

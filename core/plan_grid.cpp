@@ -6,15 +6,15 @@
 #include <string>
 
 #include "core/box.hpp"
-#include "core/completed.hpp"
 #include "core/error.hpp"
-#include "core/grid_heights.hpp"
+#include "core/overlay/completed.hpp"
 #include "core/predicates.hpp"
-#include "core/rounding.hpp"
+#include "core/rounding/grid_heights.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/shortest.hpp"
 #include "core/sum.hpp"
+#include "core/surface/walls.hpp"
 #include "core/triangle_height.hpp"
-#include "core/walls.hpp"
 
 namespace terrane {
 namespace {

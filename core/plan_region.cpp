@@ -13,9 +13,9 @@
 #include <tuple>
 
 #include "core/error.hpp"
-#include "core/noding.hpp"
+#include "core/plan/noding.hpp"
+#include "core/plan/region_fill.hpp"
 #include "core/predicates.hpp"
-#include "core/region_fill.hpp"
 #include "core/validate.hpp"
 
 namespace terrane {

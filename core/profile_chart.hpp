@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/picture.hpp"
+#include "core/picture/picture.hpp"
 #include "core/section.hpp"
 
 namespace terrane {

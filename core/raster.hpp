@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/array.hpp"
+#include "core/mesh/array.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {
@@ -20,11 +20,11 @@ struct Raster {
   Point2 place(int i, int j) const { return {x0 + i * dx, y0 - j * dy}; }
 };
 
-/// Joins rasters that lie on one lattice (same cell, whole-cell offsets, both to 1e-6 of a cell) and touch or overlap with
-/// equal samples wherever both have one: such tiles are pieces of one raster, and joined they leave no slit. `groups[i]`
-/// receives which of the returned rasters raster i went into. Tiles that overlap with different samples are left apart, as
-/// are all overlapping tiles when `join_overlaps` is false. The outcome does not depend on the order of `tiles` except that
-/// the returned rasters stand in the order of their first members.
+/// Joins rasters that lie on one lattice (same cell, whole-cell offsets, both to 1e-6 of a cell) and touch or overlap
+/// with equal samples wherever both have one: such tiles are pieces of one raster, and joined they leave no slit.
+/// `groups[i]` receives which of the returned rasters raster i went into. Tiles that overlap with different samples are
+/// left apart, as are all overlapping tiles when `join_overlaps` is false. The outcome does not depend on the order of
+/// `tiles` except that the returned rasters stand in the order of their first members.
 std::vector<Raster> join_on_lattice(const std::vector<Raster>& tiles, bool join_overlaps, std::vector<int>& groups);
 
 }  // namespace terrane

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/array.hpp"
+#include "core/mesh/array.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/triangulate.hpp"

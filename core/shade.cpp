@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/canvas.hpp"
 #include "core/error.hpp"
+#include "core/picture/canvas.hpp"
 
 namespace terrane {
 

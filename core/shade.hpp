@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/colour_scale.hpp"
 #include "core/context.hpp"
-#include "core/picture.hpp"
+#include "core/picture/colour_scale.hpp"
+#include "core/picture/picture.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {

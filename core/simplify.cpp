@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "core/corner_heights.hpp"
-#include "core/deviation.hpp"
 #include "core/error.hpp"
-#include "core/half_edges.hpp"
+#include "core/mesh/half_edges.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
-#include "core/star_patch.hpp"
+#include "core/simplify/deviation.hpp"
+#include "core/simplify/star_patch.hpp"
 #include "core/topology.hpp"
 
 namespace terrane {

@@ -29,8 +29,8 @@ struct Simplified {
 };
 
 /// Takes out vertices one at a time, those that matter least first, and fills the holes with triangles of the vertices
-/// around. Every step is measured against the surface as it came (core/deviation), never against the step before. The
-/// border, jumps, and walls with their feet stay; so do vertices with another one at their place.
+/// around. Every step is measured against the surface as it came (core/simplify/deviation), never against the step
+/// before. The border, jumps, and walls with their feet stay; so do vertices with another one at their place.
 /// Precondition: a valid TIN, as checked() returns it. The same bytes for any number of threads and, in canonical
 /// order, for any order the faces came in. O(n log n) in practice: some 10 us per vertex.
 /// See Schroeder, Zarge & Lorensen (1992) for the scheme; choosing among all triangulations of a hole by dynamic

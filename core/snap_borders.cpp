@@ -7,11 +7,11 @@
 #include <set>
 #include <tuple>
 
-#include "core/border_editor.hpp"
 #include "core/box.hpp"
 #include "core/merge.hpp"
+#include "core/merge/border_editor.hpp"
+#include "core/plan/segment_index.hpp"
 #include "core/predicates.hpp"
-#include "core/segment_index.hpp"
 #include "core/validate.hpp"
 
 namespace terrane {

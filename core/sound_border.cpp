@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/chains.hpp"
+#include "core/mesh/chains.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"

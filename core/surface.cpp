@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/corner_heights.hpp"
-#include "core/edge_cuts.hpp"
 #include "core/error.hpp"
-#include "core/mend.hpp"
-#include "core/single_valued.hpp"
-#include "core/walls.hpp"
+#include "core/surface/edge_cuts.hpp"
+#include "core/surface/mend.hpp"
+#include "core/surface/single_valued.hpp"
+#include "core/surface/walls.hpp"
 
 namespace terrane {
 namespace {

@@ -11,7 +11,7 @@
 // From heights per corner back to a TIN: where faces disagree about the height of a place, the seam decides.
 namespace terrane {
 
-/// Jumps are closed by vertical faces, sloped down within the faces beside them (core/ramp), or left open.
+/// Jumps are closed by vertical faces, sloped down within the faces beside them (core/merge/ramp), or left open.
 enum class Seam { wall, ramp, split };
 
 /// Faces in plan with a height at every corner: what an overlay becomes once its heights are folded.
@@ -42,12 +42,12 @@ struct Assembled {
 };
 
 /// The TIN of a corner surface. Jumps along shared edges: up to 1e-9 * max(1, |z|) they are rounding and welded; up to
-/// z_tolerance closed; larger ones become walls or stay open (Seam::split). What can be ramped has been (core/ramp), so
-/// that Seam::ramp makes walls of the rest. Where a jump changes sign
-/// along an edge the zero point becomes a vertex of both faces. Each place holds one vertex per height; every wall face
-/// has two corners with identical x and y, turned so that surface and walls are one oriented surface; vertical edges
-/// conform: none passes through a vertex at its place. Points lie at different places, faces are strictly positive and
-/// conform. The result is canonical. O(n log n).
+/// z_tolerance closed; larger ones become walls or stay open (Seam::split). What can be ramped has been
+/// (core/merge/ramp), so that Seam::ramp makes walls of the rest. Where a jump changes sign along an edge the zero
+/// point becomes a vertex of both faces. Each place holds one vertex per height; every wall face has two corners with
+/// identical x and y, turned so that surface and walls are one oriented surface; vertical edges conform: none passes
+/// through a vertex at its place. Points lie at different places, faces are strictly positive and conform. The result
+/// is canonical. O(n log n).
 Assembled assemble(CornerSurface surface, const Assembly& assembly, Context& context);
 
 /// Splits the faces of an overlay along the lines where the heights of A and B cross, so that on every face one of the

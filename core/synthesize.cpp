@@ -10,7 +10,7 @@
 
 #include "core/box.hpp"
 #include "core/error.hpp"
-#include "core/filled_ring.hpp"
+#include "core/plan/filled_ring.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {

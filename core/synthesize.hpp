@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/context.hpp"
-#include "core/noding.hpp"
+#include "core/plan/noding.hpp"
 #include "core/tin.hpp"
 
 // Surfaces made from nothing: planes and ramps over rectangles, level areas inside ellipses and free-form curves.

@@ -10,10 +10,10 @@
 #include <numeric>
 #include <utility>
 
-#include "core/array.hpp"
 #include "core/box.hpp"
-#include "core/chains.hpp"
-#include "core/hilbert.hpp"
+#include "core/mesh/array.hpp"
+#include "core/mesh/chains.hpp"
+#include "core/mesh/hilbert.hpp"
 #include "core/parallel.hpp"
 
 namespace terrane {

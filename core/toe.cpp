@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
-#include "core/region_fill.hpp"
+#include "core/plan/region_fill.hpp"
 #include "core/topology.hpp"
 
 namespace terrane {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/box.hpp"
-#include "core/chains.hpp"
-#include "core/hilbert.hpp"
+#include "core/mesh/chains.hpp"
+#include "core/mesh/hilbert.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 
@@ -69,8 +69,7 @@ using PlanEdges = std::vector<std::array<Index, 2>>;
 /// What ranges found, one after another.
 template <class T>
 std::vector<T> joined(std::vector<std::vector<T>>& parts) {
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    parts[0].insert(parts[0].end(), parts[i].begin(), parts[i].end());
+  for (std::size_t i = 1; i < parts.size(); ++i) parts[0].insert(parts[0].end(), parts[i].begin(), parts[i].end());
   return std::move(parts[0]);
 }
 
@@ -259,9 +258,8 @@ PlanTopology plan_topology(const Tin& tin, Array<Index> places, const Context& c
   topology.crowded = joined(crowded);
   const std::size_t n = tin.faces.size(), chunk = chunk_for(context, n);
   std::vector<std::vector<Index>> border(n / chunk + 1);
-  parallel_for(context, n, chunk, [&](std::size_t begin, std::size_t end) {
-    border[begin / chunk] = border_of(begin, end, topology);
-  });
+  parallel_for(context, n, chunk,
+               [&](std::size_t begin, std::size_t end) { border[begin / chunk] = border_of(begin, end, topology); });
   topology.border = joined(border);
   return topology;
 }

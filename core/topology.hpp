@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "core/array.hpp"
 #include "core/context.hpp"
+#include "core/mesh/array.hpp"
 #include "core/tin.hpp"
 
 // How the faces of any TIN, good or bad, lie beside each other in plan: what validation and the certificate are made
@@ -18,11 +18,11 @@
 namespace terrane {
 
 enum class Turn : std::int8_t {
-  left,      // counter-clockwise: positive area in plan
-  right,     // clockwise
-  wall,      // vertical, of area in space: two corners at one place and different heights, the third elsewhere
-  flat,      // no area in plan and no wall
-  unusable   // an index out of range, or a corner that is not finite
+  left,     // counter-clockwise: positive area in plan
+  right,    // clockwise
+  wall,     // vertical, of area in space: two corners at one place and different heights, the third elsewhere
+  flat,     // no area in plan and no wall
+  unusable  // an index out of range, or a corner that is not finite
 };
 
 /// mate[h] when half-edge h has no partner, and when its face has no area in plan.
@@ -82,11 +82,11 @@ struct BorderReport {
   struct Touch {
     Index half_edge, place;  // the place lies on the half-edge, strictly between its ends
   };
-  std::vector<Touch> touches;                      // T-junctions, by half-edge and along it
-  std::size_t crossings = 0;                       // border edges that cut another one
-  std::vector<std::array<Index, 2>> crossing;      // half-edges that cross, at most `limit`
-  std::size_t doubled_regions = 0;                 // of the plane, where faces overlap; not counted when borders cross
-  std::vector<std::array<Point2, 3>> doubled;      // triangles inside them, at most `limit`
+  std::vector<Touch> touches;                  // T-junctions, by half-edge and along it
+  std::size_t crossings = 0;                   // border edges that cut another one
+  std::vector<std::array<Index, 2>> crossing;  // half-edges that cross, at most `limit`
+  std::size_t doubled_regions = 0;             // of the plane, where faces overlap; not counted when borders cross
+  std::vector<std::array<Point2, 3>> doubled;  // triangles inside them, at most `limit`
 
   bool sound() const { return touches.empty() && crossings == 0 && doubled_regions == 0; }
 };

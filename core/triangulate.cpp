@@ -7,9 +7,9 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "core/lattice/triangulate_greedy.hpp"
+#include "core/lattice/triangulate_grid.hpp"
 #include "core/shortest.hpp"
-#include "core/triangulate_greedy.hpp"
-#include "core/triangulate_grid.hpp"
 
 namespace terrane {
 

@@ -13,9 +13,9 @@
 #include <unordered_map>
 
 #include "core/error.hpp"
-#include "core/hilbert.hpp"
-#include "core/mend.hpp"
+#include "core/mesh/hilbert.hpp"
 #include "core/shortest.hpp"
+#include "core/surface/mend.hpp"
 
 namespace terrane {
 namespace {

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "core/mend.hpp"
 #include "core/parallel.hpp"
 #include "core/predicates.hpp"
 #include "core/shortest.hpp"
+#include "core/surface/mend.hpp"
 #include "core/topology.hpp"
 
 namespace terrane {
@@ -38,8 +38,7 @@ bool overlap(const std::array<Point2, 3>& a, const std::array<Point2, 3>& b) {
 /// Vertices keep the numbers they came with; faces remember theirs.
 class Audit {
  public:
-  Audit(Tin tin, std::size_t limit, const Context& context)
-      : tin_(std::move(tin)), limit_(limit), context_(context) {
+  Audit(Tin tin, std::size_t limit, const Context& context) : tin_(std::move(tin)), limit_(limit), context_(context) {
     original_.resize(tin_.faces.size());
     std::iota(original_.begin(), original_.end(), 0);
   }
@@ -233,9 +232,9 @@ void Audit::split_touched(const BorderReport& border) {
   topology_ = plan_topology(tin_, context_);
 }
 
-/// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one to
-/// the other; or when the faces on them do not hang together around the place: then parts of the surface meet there in a
-/// point, along no line, as tiles of a merge do that touch in one corner.
+/// Two heights at a place are a jump when a wall, or an edge whose two faces disagree at both its ends, leads from one
+/// to the other; or when the faces on them do not hang together around the place: then parts of the surface meet there
+/// in a point, along no line, as tiles of a merge do that touch in one corner.
 void Audit::find_two_heights() {
   const auto n = static_cast<Index>(tin_.vertices.size());
   Index alone = 0;

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "core/area_weights.hpp"
 #include "core/level_order.hpp"
 #include "core/parallel.hpp"
 #include "core/sum.hpp"
-#include "core/volume_sum.hpp"
+#include "core/volume/area_weights.hpp"
+#include "core/volume/volume_sum.hpp"
 
 namespace terrane {
 namespace {
@@ -69,9 +69,12 @@ Volume volume(const Tin& surface, const Tin& reference, double tolerance, const 
     const auto z = [&](int input) {
       return std::array<double, 3>{both.height(input, f, 0), both.height(input, f, 1), both.height(input, f, 2)};
     };
-    if (of_surface != none && of_reference != none) sum.add(p, z(0), z(1));
-    else if (of_surface != none) sum.add_surface_only(p);
-    else if (of_reference != none) sum.add_reference_only(p);
+    if (of_surface != none && of_reference != none)
+      sum.add(p, z(0), z(1));
+    else if (of_surface != none)
+      sum.add_surface_only(p);
+    else if (of_reference != none)
+      sum.add_reference_only(p);
   }
   return sum.result();
 }

@@ -7,15 +7,15 @@
 #include <limits>
 #include <utility>
 
-#include "core/area_weights.hpp"
 #include "core/box.hpp"
 #include "core/level_cuts.hpp"
 #include "core/mosaic.hpp"
+#include "core/plan/zone_polygons.hpp"
 #include "core/predicates.hpp"
-#include "core/rounding.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/sum.hpp"
 #include "core/triangle_height.hpp"
-#include "core/zone_polygons.hpp"
+#include "core/volume/area_weights.hpp"
 
 namespace terrane {
 namespace {

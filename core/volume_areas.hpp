@@ -17,7 +17,7 @@ enum class VolumeKind { above, same, below };
 /// One connected area, its interior in one piece.
 struct VolumeArea {
   VolumeKind kind = VolumeKind::above;
-  Polygon polygon;  // as core/zone_polygons has it
+  Polygon polygon;  // as core/plan/zone_polygons has it
   /// As volume() has them, of this area alone; same has no volume.
   double volume = 0, area_2d = 0, area_3d = 0, max_dz = 0;
 };

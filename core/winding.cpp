@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/insertion_order.hpp"
+#include "core/plan/insertion_order.hpp"
 #include "core/predicates.hpp"
 #include "core/topology.hpp"
 
@@ -69,7 +69,7 @@ class Border {
   std::vector<Index> used_;       // the places on the border, sorted
   std::vector<Vertex> vertices_;  // beside used_
   Triangulation cdt_;
-  std::vector<Piece> pieces_;     // by their ends
+  std::vector<Piece> pieces_;  // by their ends
 };
 
 void Border::insert_places() {

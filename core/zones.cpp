@@ -11,9 +11,9 @@
 #include "core/box.hpp"
 #include "core/overlay.hpp"
 #include "core/parallel.hpp"
+#include "core/plan/region_fill.hpp"
 #include "core/predicates.hpp"
-#include "core/region_fill.hpp"
-#include "core/rounding.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/triangle_height.hpp"
 
 namespace terrane {

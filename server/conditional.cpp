@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "ops/sha256.hpp"
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 
 namespace terrane {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 
 // What a client has already, and what part of it it still wants: RFC 9110, sections 8.8, 13 and 14.
 namespace terrane {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 
 namespace terrane {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 
 // Pages of other origins: what a browser lets them ask and read (the Fetch standard, "CORS protocol"). Never with
 // credentials: no page can use what a browser knows of its user, and a bearer token is sent by whoever has it.

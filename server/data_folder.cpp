@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/data_folder.hpp"
 
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/random.h>
@@ -11,9 +8,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 
 #include "core/error.hpp"
-#include "server/sandbox.hpp"
+#include "server/worker/sandbox.hpp"
 
 namespace terrane {
 
@@ -99,8 +99,10 @@ void write_file(const fs::path& path, std::string_view content) {
 void flush_folder(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_directory()) flush_folder(entry.path());
-    else if (entry.is_regular_file()) flush(entry.path(), O_NOFOLLOW);
+    if (entry.is_directory())
+      flush_folder(entry.path());
+    else if (entry.is_regular_file())
+      flush(entry.path(), O_NOFOLLOW);
   }
   if (error) fail(error.value(), folder);
   flush(folder, O_DIRECTORY);
@@ -147,9 +149,9 @@ DataFolder::DataFolder(fs::path root, const std::string& server, bool alone) : s
     make_folder(root_ / "work" / server_);
   } catch (const Error& error) {
     if (error.kind == ErrorKind::usage) throw;
-    throw Error(ErrorKind::usage, "bad-data-folder",
-                "The folder for jobs and results cannot be used: " + std::string(error.what()) +
-                    "; name another with --data.");
+    throw Error(
+        ErrorKind::usage, "bad-data-folder",
+        "The folder for jobs and results cannot be used: " + std::string(error.what()) + "; name another with --data.");
   } catch (const std::exception& exception) {
     throw Error(ErrorKind::usage, "bad-data-folder",
                 "The folder for jobs and results cannot be used: " + std::string(exception.what()) +

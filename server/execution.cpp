@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// POST /processes/{id}/execution: body -> a folder -> a worker, now or as a job -> reply. POST /uploads: body -> a folder.
-// Conversions of results, see job_pages.cpp, are worked on in the same way.
+// POST /processes/{id}/execution: body -> a folder -> a worker, now or as a job -> reply. POST /uploads: body -> a
+// folder. Conversions of results, see job_pages.cpp, are worked on in the same way.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -10,8 +10,8 @@
 #include "ops/json_value.hpp"
 #include "ops/operation.hpp"
 #include "ops/sha256.hpp"
-#include "server/header_fields.hpp"
-#include "server/open_file.hpp"
+#include "server/http/header_fields.hpp"
+#include "server/http/open_file.hpp"
 #include "server/service.hpp"
 
 namespace terrane {
@@ -69,8 +69,10 @@ Reply reply_of(const nlohmann::json& outcome, const fs::path& out) {
   reply.headers.emplace_back("Terrane-Warnings", std::to_string(outcome.at("warnings").get<std::size_t>()));
   if (const std::string name = from.at("file"); !name.empty()) {
     auto file = std::make_shared<const OpenFile>(out / name);
-    if (file->size() <= small_body) reply.body = file->text();
-    else reply.body = FileBody{file, 0, file->size(), from.value("sha256", "")};
+    if (file->size() <= small_body)
+      reply.body = file->text();
+    else
+      reply.body = FileBody{file, 0, file->size(), from.value("sha256", "")};
   }
   return reply;
 }
@@ -107,8 +109,12 @@ Reply Service::execute(const Call& call, const BodySource& body, const std::func
   Folder folder(data_.work(random_id()));
   const Clock::time_point start = Clock::now();
   const Spooled spooled = spool(body, folder.path() / "body");
-  const Order order{random_id(),      operation.id, base_url(call),
-                    call.content_type, call.accept,  call.query,
+  const Order order{random_id(),
+                    operation.id,
+                    base_url(call),
+                    call.content_type,
+                    call.accept,
+                    call.query,
                     static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))};
   write_file(folder.path() / "call.json", json_text(to_json(order)));
   if (later) return run_later(order, folder, call, spooled);
@@ -134,12 +140,12 @@ Reply Service::run_now(const Order& order, Folder& folder, const std::function<b
   Workers::Events events;
   events.resolve = resolver(folder.path(), order.base);
   events.is_unwanted = [&] { return context.cancelled || (is_gone = is_gone || client_is_gone()); };
-  nlohmann::json outcome = run_until_stopped(workers_, folder.path(), limits_.jobs.worker, limits_.sync_seconds,
-                                             events, is_gone);
+  nlohmann::json outcome =
+      run_until_stopped(workers_, folder.path(), limits_.jobs.worker, limits_.sync_seconds, events, is_gone);
   const std::string id = order.id;
   if (outcome.at("references")) keep_as_job(order, folder, outcome, started);
-  const fs::path out = outcome.at("references") ? data_.job(id) / outcome.at("folder").get<std::string>()
-                                                : folder.path() / "out";
+  const fs::path out =
+      outcome.at("references") ? data_.job(id) / outcome.at("folder").get<std::string>() : folder.path() / "out";
   Reply reply = reply_of(outcome, out);
   if (outcome.at("outputs").contains("certificate")) {
     const std::string report = reports_.put(OpenFile(out / "certificate").text(limits_.max_reports));
@@ -203,8 +209,7 @@ Reply Service::upload(const Call& call, const BodySource& body) {
   Folder folder(data_.work(id));
   const Spooled spooled = spool(body, folder.path() / "body");
   const std::string name = base_name(query_value(call, "name").value_or(""));
-  write_file(folder.path() / "upload.json",
-             nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());
+  write_file(folder.path() / "upload.json", nlohmann::json{{"name", name}, {"media_type", call.content_type}}.dump());
   folder.become(data_.upload(id));
   Reply reply = json_reply({{"href", "/uploads/" + id},
                             {"type", call.content_type},

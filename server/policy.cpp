@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "server/compression.hpp"
 #include "server/conditional.hpp"
-#include "server/header_fields.hpp"
+#include "server/http/compression.hpp"
+#include "server/http/header_fields.hpp"
 
 namespace terrane {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/cors.hpp"
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 #include "server/metrics.hpp"
 #include "server/tokens.hpp"
 

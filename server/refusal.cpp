@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/refusal.hpp"
 
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 #include "server/request_log.hpp"
 
 namespace terrane {

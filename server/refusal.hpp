@@ -4,7 +4,7 @@
 #include <exception>
 #include <string>
 
-#include "server/connection.hpp"
+#include "server/http/connection.hpp"
 
 namespace terrane {
 

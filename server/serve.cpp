@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/serve.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,15 +14,13 @@
 #include <string>
 #include <thread>
 
-#include <unistd.h>
-
 #include "core/error.hpp"
 #include "ops/errors.hpp"
 #include "ops/operation.hpp"
+#include "server/http/routes.hpp"
 #include "server/policy.hpp"
 #include "server/request_log.hpp"
-#include "server/routes.hpp"
-#include "server/sandbox.hpp"
+#include "server/worker/sandbox.hpp"
 
 namespace terrane {
 
@@ -60,7 +60,8 @@ void guard_stop(const Progress& progress) {
   std::_Exit(exit_code(ErrorKind::internal));
 }
 
-/// Waits for a signal, then stops the server: at once for new work, in steps for what is in flight. The guard begins then.
+/// Waits for a signal, then stops the server: at once for new work, in steps for what is in flight. The guard begins
+/// then.
 void watch_signals(HttpServer& server, Service& service, const Progress& progress, std::thread& guard) {
   const sigset_t set = stop_signals();
   const timespec step{0, 200'000'000};

@@ -6,9 +6,9 @@
 #include "core/error.hpp"
 #include "ops/errors.hpp"
 #include "ops/operation.hpp"
-#include "server/html.hpp"
-#include "server/pages.hpp"
-#include "server/unpacking.hpp"
+#include "server/http/unpacking.hpp"
+#include "server/pages/html.hpp"
+#include "server/pages/pages.hpp"
 
 namespace terrane {
 
@@ -18,7 +18,8 @@ constexpr std::string_view json_type = "application/json";
 
 bool is_resource(const std::string& path) {
   return path == "/" || path == "/health" || path == "/ready" || path == "/conformance" || path == "/openapi.json" ||
-         path == "/api" || path == "/docs" || path == "/processes" || (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) ||
+         path == "/api" || path == "/docs" || path == "/processes" ||
+         (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) ||
          (path.starts_with("/reports/") && path.find('/', 9) == std::string::npos);
 }
 
@@ -36,7 +37,9 @@ namespace {
 
 constexpr int most_checks = 64;  // orders of jobs that wait to be looked into
 
-bool is_postgresql(const std::string& store) { return store.starts_with("postgresql:") || store.starts_with("postgres:"); }
+bool is_postgresql(const std::string& store) {
+  return store.starts_with("postgresql:") || store.starts_with("postgres:");
+}
 
 }  // namespace
 

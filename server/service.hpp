@@ -9,10 +9,10 @@
 
 #include "server/admission.hpp"
 #include "server/data_folder.hpp"
-#include "server/jobs.hpp"
-#include "server/message.hpp"
-#include "server/report_store.hpp"
-#include "server/workers.hpp"
+#include "server/http/message.hpp"
+#include "server/jobs/jobs.hpp"
+#include "server/jobs/report_store.hpp"
+#include "server/worker/workers.hpp"
 
 // The resources of the service, without sockets: a Call in, a Reply out. Safe to use from several threads.
 namespace terrane {
@@ -43,7 +43,8 @@ class Service {
   /// refused by its header. Nothing for a request that takes work: then `execute` answers it.
   std::optional<Reply> answer_header(const Call& call);
 
-  /// Reads the body if there is one, works, answers. `client_is_gone` is asked now and then; when true the work is given up.
+  /// Reads the body if there is one, works, answers. `client_is_gone` is asked now and then; when true the work is
+  /// given up.
   Reply execute(const Call& call, const BodySource& body, const std::function<bool()>& client_is_gone);
 
   /// Executions at work, and waiting.

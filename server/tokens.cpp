@@ -8,8 +8,8 @@
 
 #include "core/error.hpp"
 #include "ops/sha256.hpp"
-#include "server/header_fields.hpp"
-#include "server/message.hpp"
+#include "server/http/header_fields.hpp"
+#include "server/http/message.hpp"
 
 namespace terrane {
 

@@ -11,7 +11,7 @@
 
 #include "core/error.hpp"
 #include "core/overlay.hpp"
-#include "core/rounding.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"

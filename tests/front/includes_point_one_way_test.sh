@@ -23,6 +23,8 @@ try 1 io/a.hpp '"ops/plan.hpp"'
 try 1 ops/a.cpp '"server/serve.hpp"'
 try 1 server/a.cpp '"cli/main.hpp"'
 try 1 core/a.cpp '"tin.hpp"'
+try 0 core/a.cpp '"core/overlay/arrangement.hpp"'
+try 1 io/a.cpp '"core/overlay/arrangement.hpp"'
 echo '#include <CGAL/Epeck.h>' >"$tree/core/heavy.hpp"
 try 0 core/a.cpp '"core/heavy.hpp"'
 try 1 core/a.hpp '"core/heavy.hpp"'

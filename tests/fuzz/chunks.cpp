@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "fuzz/plan_check.hpp"
-#include "server/chunk_guard.hpp"
+#include "server/http/chunk_guard.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 
 #include "fuzz/require.hpp"
-#include "server/http_limits.hpp"
-#include "server/request_head.hpp"
+#include "server/http/http_limits.hpp"
+#include "server/http/request_head.hpp"
 
 // libFuzzer on request heads: found in pieces or whole they end at the same place, and what the library gets to see of
 // one is the same request with the body that was received, however the original said it.

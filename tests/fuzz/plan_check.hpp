@@ -7,7 +7,7 @@
 #include "core/error.hpp"
 #include "fuzz/require.hpp"
 #include "ops/operation.hpp"
-#include "server/execute_request.hpp"
+#include "server/requests/execute_request.hpp"
 
 namespace terrane::fuzz {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/http/unpacking.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -6,7 +8,6 @@
 #include <string>
 
 #include "fuzz/require.hpp"
-#include "server/unpacking.hpp"
 
 namespace {
 

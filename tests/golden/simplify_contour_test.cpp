@@ -8,9 +8,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/deviation.hpp"
 #include "core/merge.hpp"
 #include "core/simplify.hpp"
+#include "core/simplify/deviation.hpp"
 #include "ops/request.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"

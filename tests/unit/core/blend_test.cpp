@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/blend.hpp"
+#include "core/merge/blend.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "core/bisected_mesh.hpp"
 #include "core/error.hpp"
+#include "core/merge/bisected_mesh.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"
 

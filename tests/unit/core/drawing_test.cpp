@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/canvas.hpp"
-#include "core/colour_scale.hpp"
-#include "core/lettering.hpp"
 #include "core/map_sheet.hpp"
+#include "core/picture/canvas.hpp"
+#include "core/picture/colour_scale.hpp"
+#include "core/picture/lettering.hpp"
 #include "core/profile_chart.hpp"
 #include "core/ticks.hpp"
 #include "core/triangulate.hpp"

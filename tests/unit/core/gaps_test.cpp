@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/gaps.hpp"
+#include "core/merge/gaps.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/line_distance.hpp"
+#include "core/merge/line_distance.hpp"
 
 #include <gtest/gtest.h>
 

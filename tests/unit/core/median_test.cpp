@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/median.hpp"
+#include "core/merge/median.hpp"
 
 #include <gtest/gtest.h>
 

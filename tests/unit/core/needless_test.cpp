@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/needless.hpp"
+#include "core/merge/needless.hpp"
 
 #include <gtest/gtest.h>
 

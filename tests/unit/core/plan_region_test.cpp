@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "core/noding.hpp"
-#include "core/region_cells.hpp"
+#include "core/plan/noding.hpp"
+#include "core/plan/region_cells.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"
 #include "support/clip_checks.hpp"

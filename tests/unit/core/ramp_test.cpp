@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/ramp.hpp"
+#include "core/merge/ramp.hpp"
 
 #include <gtest/gtest.h>
 

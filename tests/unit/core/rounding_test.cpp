@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/rounding.hpp"
-
-#include <gtest/gtest.h>
+#include "core/rounding/rounding.hpp"
 
 #include <CGAL/Exact_rational.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/shared_faces.hpp"
+#include "core/overlay/shared_faces.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,9 @@
 #include <tuple>
 
 #include "core/arithmetic.hpp"
-#include "core/deviation.hpp"
 #include "core/error.hpp"
 #include "core/merge.hpp"
+#include "core/simplify/deviation.hpp"
 #include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"

@@ -11,9 +11,9 @@
 
 #include "core/face_runs.hpp"
 #include "core/level_cuts.hpp"
+#include "core/plan/zone_polygons.hpp"
 #include "core/plan_region.hpp"
 #include "core/validate.hpp"
-#include "core/zone_polygons.hpp"
 #include "support/polygons.hpp"
 #include "support/terrains.hpp"
 

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "core/area_weights.hpp"
-#include "core/volume_sum.hpp"
+#include "core/volume/area_weights.hpp"
+#include "core/volume/volume_sum.hpp"
 #include "support/exact.hpp"
 #include "support/terrains.hpp"
 

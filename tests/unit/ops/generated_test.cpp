@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
+#include "ops/openapi/yaml.hpp"
 #include "ops/operation.hpp"
-#include "ops/yaml.hpp"
 
 using namespace terrane;
 
@@ -46,8 +46,9 @@ TEST(Catalogue, EveryOperationIsDescribedOnce) {
     for (const InputSlot& slot : operation.inputs)
       EXPECT_TRUE(names.insert(slot.name).second) << "an input and a parameter share the name " << slot.name;
   }
-  for (const char* id :
-       {"triangulate", "add", "subtract", "merge", "volume", "validate", "info", "convert", "transform", "render", "and", "or", "xor", "nand", "nor", "not", "threshold", "quantize", "rasterize", "profile", "sample"})
+  for (const char* id : {"triangulate", "add",       "subtract",  "merge",    "volume",    "validate", "info",
+                         "convert",     "transform", "render",    "and",      "or",        "xor",      "nand",
+                         "nor",         "not",       "threshold", "quantize", "rasterize", "profile",  "sample"})
     EXPECT_TRUE(ids.contains(id)) << id;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/answer_threads.hpp"
+#include "server/http/answer_threads.hpp"
+
+#include <gtest/gtest.h>
 
 #include <atomic>
 #include <future>
-
-#include <gtest/gtest.h>
 
 namespace terrane {
 namespace {

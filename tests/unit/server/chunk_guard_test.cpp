@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/chunk_guard.hpp"
-
-#include <string>
+#include "server/http/chunk_guard.hpp"
 
 #include <gtest/gtest.h>
+
+#include <string>
 
 namespace terrane {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/compression.hpp"
+#include "server/http/compression.hpp"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
 #include <zstd.h>
 
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 #include "unit/server/replies.hpp"
 
 namespace terrane {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 #include "unit/server/replies.hpp"
 
 namespace terrane {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/execute_request.hpp"
+#include "server/requests/execute_request.hpp"
 
 #include <gtest/gtest.h>
 
@@ -97,7 +97,8 @@ TEST(ExecuteRequest, WhatIsNotUnderstoodIsRefused) {
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": nan}}"), "invalid-json");
   EXPECT_EQ(code_of("{\"inputs\": {\"overlap\": null}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\"}}}"), "");
-  EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\", \"formats\": {}}}}"), "unknown-member");
+  EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"href\": \"http://localhost/x\", \"formats\": {}}}}"),
+            "unknown-member");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"=\", \"encoding\": \"base64\"}}}"), "bad-base64");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": 1, \"encoding\": \"base64\"}}}"), "wrong-type");
   EXPECT_EQ(code_of("{\"inputs\": {\"tiles\": {\"value\": \"a\", \"encoding\": \"rot13\"}}}"), "bad-encoding");

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/front.hpp"
+#include "server/http/front.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <thread>
-
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <gtest/gtest.h>
 
 namespace terrane {
 namespace {
@@ -42,7 +41,8 @@ class Fronted {
 
   static std::string read_all(int client) {
     std::string all(1 << 16, '\0'), text;
-    for (ssize_t n; (n = recv(client, all.data(), all.size(), 0)) > 0;) text.append(all, 0, static_cast<std::size_t>(n));
+    for (ssize_t n; (n = recv(client, all.data(), all.size(), 0)) > 0;)
+      text.append(all, 0, static_cast<std::size_t>(n));
     close(client);
     return text;
   }

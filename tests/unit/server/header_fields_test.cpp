@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 
 #include <gtest/gtest.h>
 

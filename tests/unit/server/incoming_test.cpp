@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/incoming.hpp"
-
-#include <filesystem>
+#include "server/http/incoming.hpp"
 
 #include <gtest/gtest.h>
+
+#include <filesystem>
 
 namespace terrane {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/job_store.hpp"
+#include "server/jobs/job_store.hpp"
 
 #include <algorithm>
 #include <atomic>

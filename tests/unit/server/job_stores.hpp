@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "server/job_store.hpp"
+#include "server/jobs/job_store.hpp"
 #include "unit/server/postgresql_server.hpp"
 
 namespace terrane {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/json_slices.hpp"
+#include "server/requests/json_slices.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 
 #include <gtest/gtest.h>
 
@@ -41,8 +41,8 @@ TEST(Problems, TellOnlyWhatIsTheClients) {
   const Reply busy = problem_reply(Error(ErrorKind::busy, "busy", "later"));
   EXPECT_EQ(busy.status, 503);
   EXPECT_EQ(busy.headers.at(0).first, "Retry-After");
-  const auto value = nlohmann::json::parse(
-      std::get<std::string>(problem_reply(HttpError(411, "length-required", "say it")).body));
+  const auto value =
+      nlohmann::json::parse(std::get<std::string>(problem_reply(HttpError(411, "length-required", "say it")).body));
   EXPECT_EQ(value["status"], 411);
   EXPECT_EQ(value["title"], "Length Required");
   EXPECT_EQ(value["type"], "/problems/length-required");

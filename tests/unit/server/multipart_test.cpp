@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/multipart.hpp"
+#include "server/requests/multipart.hpp"
 
 #include <gtest/gtest.h>
 

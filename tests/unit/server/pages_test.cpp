@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/pages.hpp"
+#include "server/pages/pages.hpp"
 
 #include <gtest/gtest.h>
 
-#include "server/html.hpp"
+#include "server/pages/html.hpp"
 
 namespace terrane {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/error.hpp"
 #include "server/conditional.hpp"
-#include "server/header_fields.hpp"
+#include "server/http/header_fields.hpp"
 #include "unit/server/replies.hpp"
 
 namespace terrane {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
-#include <unistd.h>
-
-#include "server/message.hpp"
+#include "server/http/message.hpp"
 
 // Calls and answers for tests.
 namespace terrane {

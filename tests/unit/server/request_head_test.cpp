@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/request_head.hpp"
+#include "server/http/request_head.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,9 +22,9 @@ std::string get(const std::string& lines) { return "GET / HTTP/1.1\r\nHost: x\r\
 std::string post(const std::string& lines) { return "POST / HTTP/1.1\r\nHost: x\r\n" + lines + "\r\n"; }
 
 TEST(RequestHead, IsTakenApart) {
-  const RequestHead head =
-      parse_head("\r\nPOST /a?b=c HTTP/1.1\r\nHost:x\r\nAccept: a\r\nX-B:  two words \r\nACCEPT: b\r\n"
-                 "Content-Length: 12\r\nExpect: 100-Continue\r\n\r\n");
+  const RequestHead head = parse_head(
+      "\r\nPOST /a?b=c HTTP/1.1\r\nHost:x\r\nAccept: a\r\nX-B:  two words \r\nACCEPT: b\r\n"
+      "Content-Length: 12\r\nExpect: 100-Continue\r\n\r\n");
   EXPECT_EQ(head.method, "POST");
   EXPECT_EQ(head.target, "/a?b=c");
   EXPECT_EQ(head.version, "HTTP/1.1");
@@ -57,15 +57,15 @@ TEST(RequestHead, RefusesWhatProgramsReadInDifferentWays) {
   for (const std::string lines :
        {"Content-Length: 1\r\nContent-Length: 1\r\n", "Content-Length: 1\r\nTransfer-Encoding: chunked\r\n",
         "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n", "Transfer-Encoding: identity\r\n",
-        "Transfer-Encoding: chun%6bed\r\n", "Transfer-Encoding: \r\n", "Content-Length: \r\n",
-        "Content-Length: -1\r\n", "Content-Length: 0x1\r\n", "Content-Length: 1, 1\r\n", "A : b\r\n", " A: b\r\n",
-        "A: b\r\n c\r\n", "A\r\n", ": b\r\n", "A: b\nC: d\r\n", "A: b\rC: d\r\n"}) {
+        "Transfer-Encoding: chun%6bed\r\n", "Transfer-Encoding: \r\n", "Content-Length: \r\n", "Content-Length: -1\r\n",
+        "Content-Length: 0x1\r\n", "Content-Length: 1, 1\r\n", "A : b\r\n", " A: b\r\n", "A: b\r\n c\r\n", "A\r\n",
+        ": b\r\n", "A: b\nC: d\r\n", "A: b\rC: d\r\n"}) {
     EXPECT_EQ(status_of(post(lines)), 400) << lines;
   }
   EXPECT_EQ(status_of(get(std::string("A: \0\r\n", 6))), 400);
   EXPECT_EQ(status_of("POST / HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n"), 400);
   for (const std::string line : {"hello", "GET /", "GET  / HTTP/1.1", "GET / HTTP/2.0", "GET /a b HTTP/1.1",
-                                  "G(T / HTTP/1.1", "GET x HTTP/1.1", "GET / HTTP/1.1 "}) {
+                                 "G(T / HTTP/1.1", "GET x HTTP/1.1", "GET / HTTP/1.1 "}) {
     EXPECT_EQ(status_of(line + "\r\n\r\n"), 400) << line;
   }
   EXPECT_EQ(status_of("GET / HTTP/1.1\nHost: x\n\n"), 400);
@@ -97,8 +97,7 @@ TEST(RequestHead, TheLibraryLearnsOnlyWhatItNeeds) {
   const RequestHead head = parse_head(
       "POST /a HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\nExpect: 100-continue\r\nRange: bytes=0-\r\n"
       "Content-Encoding: gzip\r\nX: %0d%0aContent-Length: 3\r\nConnection: Close\r\n\r\n");
-  EXPECT_EQ(head_for_library(head, 7),
-            "POST /a HTTP/1.1\r\nConnection: close\r\nContent-Length: 7\r\n\r\n");
+  EXPECT_EQ(head_for_library(head, 7), "POST /a HTTP/1.1\r\nConnection: close\r\nContent-Length: 7\r\n\r\n");
 }
 
 }  // namespace

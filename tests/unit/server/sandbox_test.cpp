@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/sandbox.hpp"
+#include "server/worker/sandbox.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cerrno>
-#include <cstring>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/resource.h>
@@ -14,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <functional>
 #include <thread>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/spool.hpp"
-
-#include <filesystem>
+#include "server/http/spool.hpp"
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "core/error.hpp"
-#include "server/http_limits.hpp"
-#include "server/message.hpp"
+#include "server/http/http_limits.hpp"
+#include "server/http/message.hpp"
 
 namespace terrane {
 namespace {

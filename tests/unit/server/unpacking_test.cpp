@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/unpacking.hpp"
-
-#include <optional>
+#include "server/http/unpacking.hpp"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
 #include <zstd.h>
 
-#include "server/compression.hpp"
-#include "server/message.hpp"
+#include <optional>
+
+#include "server/http/compression.hpp"
+#include "server/http/message.hpp"
 
 namespace terrane {
 namespace {
