@@ -13,8 +13,8 @@ struct SheetOptions {
   double low = 0, high = 1;                      // of the colour bar
   bool beyond_low = false, beyond_high = false;  // heights go on past its ends, which then are pointed
   bool signs = false;                            // + in front of what is above 0
-  double ground_per_unit = 0;  // what a plan unit is long on the ground in x, in `ground_unit`; 0: no scale bar
-  std::string ground_unit;     // "m", "ft", "ftUS", or nothing
+  double ground_per_unit = 0;    // what a plan unit is long on the ground in x, in `ground_unit`; 0: no scale bar
+  std::string ground_unit = {};  // "m", "ft", "ftUS", or nothing
 };
 
 /// The surface with a colour bar to its right and a scale bar below, neither over the map. The longer side of the whole

@@ -17,7 +17,7 @@ enum class Overlap { first, last, min, max, mean, median, sum, blend };
 
 struct MergeOptions {
   Overlap overlap = Overlap::first;
-  Assembly assembly;
+  Assembly assembly = {};
   std::optional<double> level = {};  // of min and max: a tile of this height wherever the others are
   double gap = 0;                    // slits between tiles up to this width are bridged (core/merge/gaps)
   PlanMetric metric = {};            // of the gap, and of what is said about seams

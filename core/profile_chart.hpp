@@ -18,10 +18,10 @@ struct ChartPanel {
 };
 
 struct ChartOptions {
-  int size = 1200;                       // pixels across
-  std::vector<std::string> names;        // of the surfaces
-  std::string length_unit, height_unit;  // "m", "ft", "ftUS", or nothing
-  double heights_per_length = 1;         // height units in a length unit, for the exaggeration; 0: not to be said
+  int size = 1200;                                 // pixels across
+  std::vector<std::string> names;                  // of the surfaces
+  std::string length_unit = {}, height_unit = {};  // "m", "ft", "ftUS", or nothing
+  double heights_per_length = 1;  // height units in a length unit, for the exaggeration; 0: not to be said
 };
 
 /// Heights over distance, a panel below the other, all in the same colours: axes with round numbers, a line per

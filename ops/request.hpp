@@ -3,11 +3,10 @@
 
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "core/context.hpp"
 #include "io/format.hpp"
@@ -25,8 +24,8 @@ struct InputStream {
 
 /// One input as it arrived: bytes, or a number ("12.5", a level) where the operation takes one.
 struct InputPart {
-  std::string slot;  // which input of the operation: "minuend", "tiles"
-  std::string name;  // file name without folders, for messages and the certificate
+  std::string slot;        // which input of the operation: "minuend", "tiles"
+  std::string name;        // file name without folders, for messages and the certificate
   std::string media_type;  // as declared, or empty
   std::string bytes;
   /// Where an input is read from when its turn comes; `bytes` are then only the first of it, for telling its format.
@@ -38,11 +37,11 @@ struct InputPart {
 /// A request as a door understood it; nothing is checked yet.
 struct Request {
   std::string operation;
-  std::vector<InputPart> inputs;  // in the order given
-  std::vector<std::pair<std::string, std::string>> parameters;  // kebab-case name, text; a name may occur once
-  std::string format;  // `f` / `--format`; empty: let accept, output name or the operation's default decide
-  std::vector<std::string> accept;  // media types in order of preference; empty: anything
-  std::string output_name;  // "-o" on the command line, whose extension decides the format when `format` is empty
+  std::vector<InputPart> inputs = {};                                // in the order given
+  std::vector<std::pair<std::string, std::string>> parameters = {};  // kebab-case name, text; a name may occur once
+  std::string format = {};  // `f` / `--format`; empty: let accept, output name or the operation's default decide
+  std::vector<std::string> accept = {};  // media types in order of preference; empty: anything
+  std::string output_name = {};  // "-o" on the command line, whose extension decides the format when `format` is empty
 };
 
 /// A request with every complaint made that can be made before an input is decoded: parameters parsed and in range,
@@ -63,7 +62,7 @@ struct ResultPart {
 struct Response {
   std::string media_type;
   std::string file_name;  // "merge.obj", for Content-Disposition
-  std::string body;  // empty where the bytes went elsewhere
+  std::string body;       // empty where the bytes went elsewhere
   nlohmann::json report;  // the certificate (or the volume report, ...); the same whatever the door
   std::vector<Warning> warnings;
   /// Of an operation with several outputs those that have a value, each by itself; the body is all of them as one JSON

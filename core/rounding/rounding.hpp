@@ -17,7 +17,7 @@ namespace terrane {
 struct ExactPlace {
   enum Kind { input, crossing, ratio, lattice } kind = input;
   Point2 p, q;            // crossing: the line p q; ratio: from p to q; lattice: p, an input vertex that may move
-  Point2 r, s;            // crossing: the line r s
+  Point2 r = {}, s = {};  // crossing: the line r s
   double dp = 0, dq = 0;  // ratio: values of opposite sign at p and q; the place is where they interpolate to 0
 };
 

@@ -218,18 +218,19 @@ TEST_F(RealTerrain, seams_of_four_windows_are_ramped_under_every_policy) {
     const Response walls = run("merge", tiles, {{"overlap", overlap}}, "ply");
     const Response ramps = run("merge", tiles, {{"overlap", overlap}, {"seam", "ramp"}}, "ply");
     expect_clean(ramps.report);
-    EXPECT_LT(ramps.report["output"]["walls"].get<int>(), walls.report["output"]["walls"].get<int>() / 10 + 1) << "parts without room";
+    EXPECT_LT(ramps.report["output"]["walls"].get<int>(), walls.report["output"]["walls"].get<int>() / 10 + 1)
+        << "parts without room";
     EXPECT_LT(ramps.report["accuracy"]["max_height_error"], 1e-6);
-    EXPECT_LT(ramps.report["ramps"]["area_2d"], 0.2 * ramps.report["output"]["area_2d"].get<double>()) << "the sea has large faces";
+    EXPECT_LT(ramps.report["ramps"]["area_2d"], 0.2 * ramps.report["output"]["area_2d"].get<double>())
+        << "the sea has large faces";
     if (overlap != "first" && overlap != "last") expect_order_free(tiles, {{"overlap", overlap}, {"seam", "ramp"}});
   }
 }
 
 /// Two epochs of a gully, the newer one surveyed in its middle only: the part of a TIN in a box.
 Tin within(const Tin& tin, const Box& box) {
-  return support::without(tin, [&](Point2 c) {
-    return c.x < box.xmin || c.x > box.xmax || c.y < box.ymin || c.y > box.ymax;
-  });
+  return support::without(
+      tin, [&](Point2 c) { return c.x < box.xmin || c.x > box.xmax || c.y < box.ymin || c.y > box.ymax; });
 }
 
 TEST_F(RealTerrain, epochs_are_blended_without_a_cliff) {
@@ -251,8 +252,12 @@ TEST_F(RealTerrain, epochs_are_blended_without_a_cliff) {
     int far = 0;
     for (const Point2 p : support::random_places({597220, 150600, 597620, 151000}, 20000, 4)) {
       const double depth = std::min({p.x - 597300, 597500 - p.x, p.y - 150700, 150900 - p.y});
-      if (depth > 40) EXPECT_NEAR(z(p), of_survey(p), 0.02);
-      if (depth < -40) EXPECT_NEAR(z(p), before(p), 0.02);
+      if (depth > 40) {
+        EXPECT_NEAR(z(p), of_survey(p), 0.02);
+      }
+      if (depth < -40) {
+        EXPECT_NEAR(z(p), before(p), 0.02);
+      }
       far += std::fabs(depth) > 40;
     }
     EXPECT_GT(far, 8000);

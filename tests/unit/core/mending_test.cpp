@@ -128,9 +128,10 @@ TEST(mending, a_spill_far_from_the_origin_is_reported_as_large_as_it_is) {
   const Overlay o = overlaid(a, b);
   for (std::size_t f = 0; f < o.faces.size(); ++f)
     for (const int m : {0, 1})
-      if (const Index parent = o.parents[f][m]; parent != none)
+      if (const Index parent = o.parents[f][m]; parent != none) {
         for (const Index v : o.faces[f])
           EXPECT_TRUE(within(o.points[v], triangle(m == 0 ? a : b, parent), o.rounding.max_spill));
+      }
 }
 
 TEST(mending, a_spill_beside_a_long_edge_is_reported_as_large_as_it_is) {

@@ -42,7 +42,9 @@ TEST_P(Pile, GrowsWithTheCrossings) {
     const std::vector<Tin> tiles = pile(count);
     const Merged result = merged(tiles, options);
     EXPECT_LT(result.surface.tin.faces.size(), 100u * count * count);
-    if (seam != Seam::ramp && count < 20) EXPECT_EQ(support::broken_promises(tiles, options, result), "");
+    if (seam != Seam::ramp && count < 20) {
+      EXPECT_EQ(support::broken_promises(tiles, options, result), "");
+    }
     std::vector<Tin> reversed(tiles.rbegin(), tiles.rend());
     EXPECT_EQ(merged(reversed, options).surface.tin, result.surface.tin);
   }

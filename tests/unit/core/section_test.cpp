@@ -131,7 +131,9 @@ TEST(Section, RandomLinesLieOnTheSurface) {
       const Point2 p = s.rows[k].at, q = s.rows[k + 1].at;
       const auto z = grid.height({(p.x + q.x) / 2, (p.y + q.y) / 2});
       ASSERT_EQ(z.has_value(), !std::isnan(s.z[k]) && !std::isnan(s.z[k + 1])) << round << " row " << k;
-      if (z) ASSERT_NEAR(*z, (s.z[k] + s.z[k + 1]) / 2, 1e-7);
+      if (z) {
+        ASSERT_NEAR(*z, (s.z[k] + s.z[k + 1]) / 2, 1e-7);
+      }
     }
   }
 }
@@ -146,7 +148,9 @@ TEST(Section, BackwardsIsTheSame) {
   for (std::size_t k = 0; k < there.rows.size(); ++k) {
     const double z = there.z[k], w = back.z[back.z.size() - 1 - k];
     ASSERT_EQ(std::isnan(z), std::isnan(w));
-    if (!std::isnan(z)) ASSERT_NEAR(z, w, 1e-9);
+    if (!std::isnan(z)) {
+      ASSERT_NEAR(z, w, 1e-9);
+    }
   }
 }
 
@@ -158,7 +162,9 @@ TEST(FaceGrid, HeightsAreThePlanesAndVerticesTheirOwn) {
   for (const Face& f : tin.faces)
     for (const Index v : f) used[v] = true;
   for (std::size_t v = 0; v < tin.vertices.size(); ++v)
-    if (used[v]) ASSERT_EQ(grid.height(plan(tin.vertices[v])), tin.vertices[v].z);
+    if (used[v]) {
+      ASSERT_EQ(grid.height(plan(tin.vertices[v])), tin.vertices[v].z);
+    }
   for (const Face& f : tin.faces) {
     const Point &a = tin.vertices[f[0]], &b = tin.vertices[f[1]], &c = tin.vertices[f[2]];
     const auto z = grid.height({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
@@ -206,7 +212,9 @@ TEST(Section, LargeSurfacesTakeAMoment) {
   const Section s = section_of({tin}, {{-10, 100}, {510, 360}, {250, -5}});
   EXPECT_GT(s.rows.size(), 1500u);
   for (std::size_t k = 0; k < s.rows.size(); ++k)
-    if (!std::isnan(s.z[k])) ASSERT_NEAR(s.z[k], s.rows[k].at.x + 2 * s.rows[k].at.y, 1e-9);
+    if (!std::isnan(s.z[k])) {
+      ASSERT_NEAR(s.z[k], s.rows[k].at.x + 2 * s.rows[k].at.y, 1e-9);
+    }
   const FaceGrid grid(tin);
   double sum = 0;
   for (int k = 0; k < 1'000'000; ++k) sum += grid.height({(k % 997) * 0.5, (k % 991) * 0.5}).value_or(-1e9);

@@ -30,7 +30,9 @@ TEST(OpenApi, BothVersionsDescribeTheSame) {
   EXPECT_EQ(newer["paths"].size(), older["paths"].size());
   for (const auto& [path, item] : newer["paths"].items())
     for (const auto& [method, operation] : item.items())
-      if (operation.is_object()) EXPECT_EQ(operation["operationId"], older["paths"][path][method]["operationId"]);
+      if (operation.is_object()) {
+        EXPECT_EQ(operation["operationId"], older["paths"][path][method]["operationId"]);
+      }
 }
 
 TEST(OpenApi, TheOlderOneHasNoWordsOfTheNewer) {
@@ -43,8 +45,9 @@ TEST(OpenApi, TheOlderOneHasNoWordsOfTheNewer) {
 TEST(OpenApi, EveryReferenceLeadsSomewhere) {
   for (const Json& document : {openapi(), openapi_30()}) {
     const auto check = [&](const Json& value, const auto& self) -> void {
-      if (const auto it = value.is_object() ? value.find("$ref") : value.end(); it != value.end() && it->is_string())
+      if (const auto it = value.is_object() ? value.find("$ref") : value.end(); it != value.end() && it->is_string()) {
         EXPECT_TRUE(document.contains(Json::json_pointer(it->get<std::string>().substr(1)))) << *it;
+      }
       if (value.is_structured())
         for (const Json& inner : value) self(inner, self);
     };
