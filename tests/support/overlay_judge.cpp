@@ -262,8 +262,8 @@ class Judge {
 
 namespace {
 
-/// Which of several each of a row of choices took, where how many there are depends on those before. All first ones to
-/// begin with; next() goes on to the next way, false after the last.
+/// Which of several each of a row of choices took, where how many there are depends on those before. All take the first
+/// to begin with; next() goes on to ways in which one does not, then two, and so on, and returns false after the last.
 class Ways {
  public:
   std::size_t choose(std::size_t of) {
@@ -274,18 +274,36 @@ class Ways {
   bool next() {
     chosen_.resize(at_);
     at_ = 0;
-    while (!chosen_.empty() && chosen_.back().one + 1 == chosen_.back().of) chosen_.pop_back();
-    if (chosen_.empty()) return false;
-    ++chosen_.back().one;
-    return true;
+    std::size_t others = this->others();
+    if (others == allowed_) more_ = more_ || std::any_of(chosen_.begin(), chosen_.end(), Choice::could_be_other);
+    for (; !chosen_.empty(); chosen_.pop_back()) {
+      Choice& last = chosen_.back();
+      if (last.one + 1 < last.of && (last.one > 0 || others < allowed_)) {
+        ++last.one;
+        return true;
+      }
+      others -= last.one > 0;
+    }
+    ++allowed_;
+    return std::exchange(more_, false);
   }
+  /// Ways with fewer others come by again on the way to those with more.
+  bool was_seen() const { return others() < allowed_; }
 
  private:
   struct Choice {
     std::size_t one, of;
+    static bool could_be_other(const Choice& c) { return c.one == 0 && c.of > 1; }
   };
+  std::size_t others() const {
+    return static_cast<std::size_t>(
+        std::count_if(chosen_.begin(), chosen_.end(), [](const Choice& c) { return c.one > 0; }));
+  }
+
   std::vector<Choice> chosen_;
   std::size_t at_ = 0;
+  std::size_t allowed_ = 0;  // so many do not take the first
+  bool more_ = false;        // could be
 };
 
 /// B with vertices on those of A that they may have been snapped to: within max_snap, no vertex of B. In the first of
@@ -345,7 +363,7 @@ std::string broken_promises(const Tin& a, const Tin& b, const OverlayOptions& op
   int judged = 0;
   for (int n = 0; n < 100'000 && judged < 256; ++n) {
     const Guess guess = snapped_to(ways, a, b, overlay);
-    if (guess.snapped == static_cast<std::size_t>(overlay.rounding.snapped) && guess.positive()) {
+    if (!ways.was_seen() && guess.snapped == static_cast<std::size_t>(overlay.rounding.snapped) && guess.positive()) {
       const std::string broken =
           Judge(a, guess.b, options, overlay).judged() + wrong_cover(a, guess.b, options.refinement, overlay);
       if (broken.empty()) return {};
