@@ -9,9 +9,9 @@
 #include "core/box.hpp"
 #include "core/error.hpp"
 #include "core/plan/delaunay.hpp"
+#include "core/plan/exact_place.hpp"
 #include "core/plan/place_order.hpp"
 #include "core/predicates.hpp"
-#include "core/rounding/rounding.hpp"
 #include "core/shortest.hpp"
 
 namespace terrane {
