@@ -15,7 +15,7 @@
 #include "server/data_folder.hpp"
 #include "server/jobs/callbacks.hpp"
 #include "server/jobs/job_store.hpp"
-#include "server/requests/references.hpp"
+#include "server/jobs/references.hpp"
 #include "server/worker/workers.hpp"
 
 namespace terrane {
