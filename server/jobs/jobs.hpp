@@ -97,11 +97,4 @@ class Jobs {
   std::vector<std::thread> threads_;
 };
 
-/// How the client that ordered it addressed us.
-std::string base_of(const DataFolder& data, const Job& job);
-/// OGC API - Processes 1.0, statusInfo.yaml, with links from `base`.
-nlohmann::json status_info(const Job& job, const std::string& base);
-/// RFC 3339, UTC, milliseconds.
-std::string timestamp(Instant instant);
-
 }  // namespace terrane
