@@ -7,7 +7,7 @@ cd "$1"
 declare -A sees=([core]="core" [io]="io core" [ops]="ops io core" [server]="server ops io core" [cli]="cli server ops io core")
 declare -A only=([CGAL]=core [gdal]=io [ogr]=io [cpl_]=io [GeographicLib]=io [proj]=io [nlohmann]="io ops server cli" [httplib]=server)
 # Folders of a room that see only those before them.
-rows=("core/mesh core/plan core/rounding core/overlay core/surface core/merge" "server/http server/requests server/worker server/jobs")
+rows=("core/mesh core/plan core/rounding core/overlay core/surface core/merge" "server/http server/pages server/requests server/worker server/jobs")
 faults=0
 fault() { echo "$1:$2: includes $3: $4"; faults=$((faults + 1)); }
 has() { [[ " $1 " == *" $2 "* ]]; }
