@@ -2,7 +2,6 @@
 #include "core/overlay/arrangement.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include "core/error.hpp"
 #include "core/plan/crossing_point.hpp"

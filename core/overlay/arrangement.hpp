@@ -2,11 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
-#include <vector>
 
 #include "core/context.hpp"
 #include "core/mesh/array.hpp"

@@ -2,7 +2,6 @@
 #include "core/overlay/junctions.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
