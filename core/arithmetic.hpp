@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/context.hpp"
-#include "core/overlay.hpp"
 #include "core/surface.hpp"
 #include "core/tin.hpp"
 

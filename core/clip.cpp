@@ -23,12 +23,6 @@ namespace {
 
 using Where = RegionCells::Where;
 
-Box box_of(const Tin& tin, const Face& f) {
-  Box box = no_box;
-  for (const Index v : f) box = around(box, plan(tin.vertices[v]));
-  return box;
-}
-
 /// Where every face lies. `all_near`: no face is taken for far.
 std::vector<Where> where_faces_lie(const Tin& tin, const PlanRegion& region, bool all_near, const Context& context) {
   if (all_near) return std::vector<Where>(tin.faces.size(), Where::near);

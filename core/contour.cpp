@@ -2,7 +2,6 @@
 #include "core/contour.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>

@@ -4,18 +4,11 @@
 #include <algorithm>
 
 #include "core/box.hpp"
-#include "core/mosaic.hpp"
 
 namespace terrane {
 namespace {
 
 constexpr std::size_t run_length = 64;
-
-Box box_of(const Tin& tin, const Face& f) {
-  Box box = no_box;
-  for (const Index v : f) box = around(box, plan(tin.vertices[v]));
-  return box;
-}
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "core/context.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {

@@ -13,6 +13,7 @@
 #include "core/plan/region_fill.hpp"
 #include "core/plan_grid.hpp"
 #include "core/predicates.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/surface/single_valued.hpp"
 #include "core/triangle_height.hpp"
 #include "core/validate.hpp"

@@ -95,12 +95,6 @@ ZonedMesh rectangle(const Box& box) {
           {}};
 }
 
-Box box_of(const ZonedMesh& mesh) {
-  Box box = no_box;
-  for (const Point2 p : mesh.points) box = around(box, p);
-  return box;
-}
-
 }  // namespace
 
 Binary read_binary(const Tin& tin, const BinaryRule& rule, Context& context) {
@@ -131,7 +125,8 @@ Combined combine(const ZonedMesh& a, const ZonedMesh& b, const TruthTable& table
   result.mesh = fold_zones(swap ? b : a, swap ? a : b, fold, result.rounding, context);
   if (extent == Extent::overlap) return result;
   const auto fill = [&](Index x, Index) { return x == none ? Index{table[0]} : x; };
-  result.mesh = fold_zones(result.mesh, rectangle(around(box_of(a), box_of(b))), fill, result.rounding, context);
+  const ZonedMesh ground = rectangle(around(box_of(a.points), box_of(b.points)));
+  result.mesh = fold_zones(result.mesh, ground, fill, result.rounding, context);
   return result;
 }
 

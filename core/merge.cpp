@@ -5,9 +5,11 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/box.hpp"
 #include "core/corner_heights.hpp"
 #include "core/merge/median.hpp"
 #include "core/merge/merge_step.hpp"
+#include "core/merge/seams.hpp"
 #include "core/predicates.hpp"
 #include "core/side_by_side.hpp"
 

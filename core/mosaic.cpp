@@ -6,12 +6,11 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "core/box.hpp"
 #include "core/plan/place_order.hpp"
 
 namespace terrane {
 namespace {
-
-constexpr Box nowhere{INFINITY, INFINITY, -INFINITY, -INFINITY};
 
 struct PlaceHash {
   std::size_t operator()(const Point2& p) const {
@@ -38,16 +37,9 @@ class Places {
 };
 
 Box box_of(const CornerSurface& surface, const Face& f) {
-  Box box = nowhere;
-  for (const Index v : f) {
-    const Point2 p = surface.points[v];
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
-  }
+  Box box = no_box;
+  for (const Index v : f) box = around(box, surface.points[v]);
   return box;
-}
-
-Box joined(const Box& a, const Box& b) {
-  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax), std::max(a.ymax, b.ymax)};
 }
 
 void copy_face(const Piece& from, std::size_t f, const Face& corners, Piece& to) {
@@ -65,7 +57,7 @@ void copy_face(const Piece& from, std::size_t f, const Face& corners, Piece& to)
 Box with_faces(const Box& box, const Piece& piece) {
   Box all = box;
   for (const Face& corners : piece.surface.faces)
-    if (const Box face = box_of(piece.surface, corners); touches(face, box)) all = joined(all, face);
+    if (const Box face = box_of(piece.surface, corners); touches(face, box)) all = around(all, face);
   return all;
 }
 
@@ -152,10 +144,7 @@ Tin near_faces(const Tin& tin, const Box& box) {
   Tin result;
   std::vector<Index> index(tin.vertices.size(), none);
   for (const Face& f : tin.faces) {
-    const Point &a = tin.vertices[f[0]], &b = tin.vertices[f[1]], &c = tin.vertices[f[2]];
-    const Box face{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::max({a.x, b.x, c.x}),
-                   std::max({a.y, b.y, c.y})};
-    if (!touches(face, box) || is_wall(tin, f)) continue;
+    if (!touches(box_of(tin, f), box) || is_wall(tin, f)) continue;
     Face corners = f;
     for (Index& v : corners) {
       if (index[v] == none) {
@@ -183,10 +172,10 @@ void Mosaic::add(const Piece& piece) {
 }
 
 void Mosaic::add_part(const Piece& piece, std::size_t first, std::size_t last, std::vector<Index>& local) {
-  Part part{nowhere, {}};
+  Part part{no_box, {}};
   for (std::size_t f = first; f < last; ++f) {
     Face corners = piece.surface.faces[f];
-    part.box = joined(part.box, box_of(piece.surface, corners));
+    part.box = around(part.box, box_of(piece.surface, corners));
     for (Index& v : corners) {
       if (local[v] == none) {
         local[v] = static_cast<Index>(part.piece.surface.points.size());
@@ -225,7 +214,7 @@ Parted parted(const Piece& piece, const std::vector<Box>& boxes) {
 Piece Mosaic::take_near(const Box& tile) {
   Box box = tile;
   for (const Part& part : parts_)
-    if (touches(part.box, tile)) box = joined(box, with_faces(tile, part.piece));
+    if (touches(part.box, tile)) box = around(box, with_faces(tile, part.piece));
   box = widened(box);
   Piece near;
   Places places(near.surface.points, 0);

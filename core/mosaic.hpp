@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -49,9 +48,6 @@ Tin near_faces(const Tin& tin, const Box& box);
 
 /// A tile's box with a margin wide against rounding and narrow against terrain.
 Box widened(const Box& box);
-inline bool touches(const Box& a, const Box& b) {
-  return a.xmin <= b.xmax && b.xmin <= a.xmax && a.ymin <= b.ymax && b.ymin <= a.ymax;
-}
 
 /// A piece in two.
 struct Parted {

@@ -59,11 +59,11 @@ struct Overlay {
 ///  2. Every vertex is made once: a vertex of A, of B, of both, or the crossing of an edge of A and an edge of B.
 ///  3. Vertex on vertex, vertex on edge, collinear overlaps and identical faces are cases, not accidents.
 ///  4. Vertices of A and B are returned bit for bit, except those of B snapped within `snap`. Every returned face is
-///  strictly
-///     positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap of its
-///     parents and, where it has none (but under paste), of the outside of that input.
+///     strictly positive, judged exactly on the returned doubles; faces conform; each lies within 3 * max_move + snap
+///     of its parents and, where it has none (but under paste), of the outside of that input.
 ///  5. The same bytes for any thread count, and for any order of faces and vertices that the inputs came in before
-///  canonical().
+///     canonical().
+///
 /// Precondition: both are valid, as checked() returns them (core/validate); in canonical order it is quickest. Walls
 /// are looked through: a vertical face has no area in plan, and heights are kept per corner where an input jumps. Time
 /// and memory grow with input + output; what both share costs next to nothing (core/overlay/shared_faces). Throws

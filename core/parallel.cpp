@@ -16,7 +16,7 @@ namespace {
 
 class Work {
  public:
-  Work(const Context &context, std::size_t count, const std::function<void(std::size_t)> &task)
+  Work(const Context& context, std::size_t count, const std::function<void(std::size_t)>& task)
       : context_(context), count_(count), task_(task) {}
 
   /// Takes tasks until none is left.
@@ -52,9 +52,9 @@ class Work {
     }
   }
 
-  const Context &context_;
+  const Context& context_;
   const std::size_t count_;
-  const std::function<void(std::size_t)> &task_;
+  const std::function<void(std::size_t)>& task_;
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;
   std::exception_ptr failure_;
@@ -63,7 +63,7 @@ class Work {
 
 }  // namespace
 
-void parallel_tasks(const Context &context, std::size_t count, const std::function<void(std::size_t)> &task) {
+void parallel_tasks(const Context& context, std::size_t count, const std::function<void(std::size_t)>& task) {
   Work work(context, count, task);
   std::vector<std::thread> helpers;
   const std::size_t threads = std::min<std::size_t>(std::max(context.threads, 1), count);

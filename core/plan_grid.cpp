@@ -9,7 +9,7 @@
 #include "core/error.hpp"
 #include "core/overlay/completed.hpp"
 #include "core/predicates.hpp"
-#include "core/rounding/grid_heights.hpp"
+#include "core/surface/grid_heights.hpp"
 #include "core/rounding/rounding.hpp"
 #include "core/shortest.hpp"
 #include "core/sum.hpp"

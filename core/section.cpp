@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/overlay/crossing_point.hpp"
+#include "core/plan/crossing_point.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "core/context.hpp"
 #include "core/picture/colour_scale.hpp"

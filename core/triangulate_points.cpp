@@ -12,6 +12,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "core/box.hpp"
 #include "core/error.hpp"
 #include "core/mesh/hilbert.hpp"
 #include "core/shortest.hpp"
@@ -116,9 +117,8 @@ class Surveyor {
 
   void insert_points() {
     context_.progress("triangulate", 0);
-    Box box{INFINITY, INFINITY, -INFINITY, -INFINITY};
-    for (const Point& p : points_)
-      box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
+    Box box = no_box;
+    for (const Point& p : points_) box = around(box, plan(p));
     handles_.resize(points_.size());
     FaceHandle near;
     std::size_t done = 0;

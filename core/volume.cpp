@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "core/box.hpp"
 #include "core/level_order.hpp"
+#include "core/overlay.hpp"
 #include "core/parallel.hpp"
 #include "core/sum.hpp"
 #include "core/volume/area_weights.hpp"
@@ -17,16 +19,6 @@ constexpr std::size_t faces_per_report = 65536;
 void report(Context& context, std::size_t done, std::size_t all) {
   if (done % faces_per_report == 0)
     context.progress("volume", static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all, 1)));
-}
-
-Box around(const Array<Point2>& points) {
-  if (points.empty()) return {0, 0, 0, 0};
-  Box box = {points[0].x, points[0].y, points[0].x, points[0].y};
-  for (const Point2 p : points) {
-    box.xmin = std::min(box.xmin, p.x), box.xmax = std::max(box.xmax, p.x);
-    box.ymin = std::min(box.ymin, p.y), box.ymax = std::max(box.ymax, p.y);
-  }
-  return box;
 }
 
 std::array<Point2, 3> corners(const Tin& tin, const Face& f) {
@@ -58,7 +50,7 @@ double sum_over_faces(const Tin& tin, const AreaScale& scale, Value value) {
 
 Volume volume(const Tin& surface, const Tin& reference, double tolerance, const AreaScale& scale, Context& context) {
   const Overlay both = overlay(surface, reference, {}, context);
-  const AreaWeights weights(scale, around(both.points));
+  const AreaWeights weights(scale, both.points.empty() ? Box{0, 0, 0, 0} : box_of(both.points));
   VolumeSum sum(weights, tolerance);
   for (std::size_t i = 0; i < both.faces.size(); ++i) {
     report(context, i, both.faces.size());

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/context.hpp"
-#include "core/overlay.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {

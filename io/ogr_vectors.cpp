@@ -5,10 +5,8 @@
 #include <ogrsf_frmts.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
-#include <set>
 
 #include "core/error.hpp"
 #include "io/gdal.hpp"

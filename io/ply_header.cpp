@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/ply_header.hpp"
 
-#include <optional>
-
 #include "io/bad_input.hpp"
 #include "io/text.hpp"
 

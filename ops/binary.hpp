@@ -3,9 +3,7 @@
 
 #include <vector>
 
-#include "core/zones.hpp"
 #include "io/geodesy.hpp"
-#include "ops/outcome.hpp"
 #include "ops/parameters.hpp"
 
 // What the operations on surfaces of true and false have in common.

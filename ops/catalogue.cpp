@@ -58,12 +58,17 @@ const std::vector<Parameter>& common_parameters() {
   return all;
 }
 
+namespace {
+
+/// By any parameters.
 bool can_return_surface(const Operation& operation) {
   const std::string word = "ply";
   return operation.result == ResultKind::surface ||
          std::find(operation.output_formats.begin(), operation.output_formats.end(), word) !=
              operation.output_formats.end();
 }
+
+}  // namespace
 
 std::vector<Parameter> common_parameters_of(const Operation& operation) {
   std::vector<Parameter> list;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
-
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"

@@ -124,7 +124,7 @@ void HeightField::visit_cells(Box box, Box near, Visit visit) const {
          ++c) {
       for (Index i = first_[static_cast<std::size_t>(r) * columns_ + c]; i != none; i = listed_[i].next) {
         const Run& run = runs_[listed_[i].run];
-        if (apart(run.box, near)) continue;
+        if (!touches(run.box, near)) continue;
         for (Index f = run.first; f < run.last; ++f)
           if (!is_wall(tin_, tin_.faces[f])) visit(f);
       }
@@ -165,7 +165,7 @@ HeightField::Reading HeightField::at(Point2 place, double radius) const {
   const double reach = 4 * radius + 1e-9 * (cell_x_ + cell_y_);
   const Box near = {place.x - reach, place.y - reach, place.x + reach, place.y + reach};
   visit_cells({place.x - radius, place.y - radius, place.x + radius, place.y + radius}, near, [&](Index face) {
-    if (apart(box_of(face), near)) return;
+    if (!touches(box_of(face), near)) return;
     const Hit h = hit(face, place, radius);
     if (h.distance2 > radius * radius) return;
     reading.border = reading.border || h.border;

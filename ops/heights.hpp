@@ -12,11 +12,6 @@
 // Heights of a TIN at places, found without the overlay: the independent way by which results are checked.
 namespace terrane {
 
-/// Have they no place in common?
-inline bool apart(const Box& a, const Box& b) {
-  return a.xmax < b.xmin || b.xmax < a.xmin || a.ymax < b.ymin || b.ymax < a.ymin;
-}
-
 class HeightField {
  public:
   /// Keeps a reference to the TIN. O(n log n). The more faces a cell has the less is built, and the longer a question

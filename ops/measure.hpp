@@ -4,13 +4,11 @@
 #include <string>
 
 #include "core/plan_metric.hpp"
-#include "core/validate.hpp"
 #include "io/geodesy.hpp"
 #include "ops/parameters.hpp"
 
-// Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees.
-// Not a
-// number where coordinates are said to be degrees and cannot be (null in JSON).
+// Figures of a TIN in the units a CRS calls for: plan units where they are lengths, geodesy where they are degrees. Not
+// a number where coordinates are said to be degrees and cannot be (null in JSON).
 namespace terrane {
 
 /// The unit words of a CRS as reports name them.

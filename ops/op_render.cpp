@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "core/area_quantile.hpp"
-#include "core/error.hpp"
 #include "core/map_sheet.hpp"
 #include "ops/inputs.hpp"
 #include "ops/measure.hpp"

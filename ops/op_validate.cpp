@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <map>
 
 #include "core/validate.hpp"
 #include "ops/inputs.hpp"

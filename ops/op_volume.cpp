@@ -5,7 +5,6 @@
 #include "core/toe.hpp"
 #include "core/volume.hpp"
 #include "ops/inputs.hpp"
-#include "ops/measure.hpp"
 #include "ops/operations.hpp"
 #include "ops/parameters.hpp"
 #include "ops/volume_regions.hpp"

@@ -140,9 +140,6 @@ const std::vector<Parameter>& common_parameters();
 /// None where there is no geometry.
 std::vector<Parameter> common_parameters_of(const Operation& operation);
 
-/// Does it return a surface, by any parameters?
-bool can_return_surface(const Operation& operation);
-
 /// The words of `format` that a kind of result can have, the default first.
 std::vector<std::string> formats_of(ResultKind kind);
 /// The media type of an output format word: a format's own, application/json, text/csv, image/png.

@@ -176,8 +176,6 @@ std::string choose_format(const Request& request, const Operation& operation, Re
               "'" + operation.id + "' returns none of the media types that are accepted; it returns " + joined(types));
 }
 
-}  // namespace
-
 /// The provenance of faces has a place in Terrane JSON alone.
 void check_provenance(const Plan& made) {
   if (!made.parameters.value("provenance", false)) return;
@@ -192,6 +190,8 @@ void check_provenance(const Plan& made) {
   if (made.request.inputs.size() > 10000)
     throw Error(ErrorKind::usage, "provenance", "parameter 'provenance' is for up to 10000 inputs");
 }
+
+}  // namespace
 
 Plan plan(Request request) {
   Plan made;

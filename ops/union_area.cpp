@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/box.hpp"
 #include "core/predicates.hpp"
 #include "ops/heights.hpp"
 
@@ -73,7 +74,7 @@ void cut_each_other(Tile& a, Tile& b, std::size_t index_a, std::size_t index_b) 
       const auto [xlow, xhigh] = std::minmax(e.p.x, e.q.x);
       const auto [ylow, yhigh] = std::minmax(e.p.y, e.q.y);
       const Box own = {xlow, ylow, xhigh, yhigh};
-      if (!apart(own, box)) entries.push_back({own, &e, of_a});
+      if (touches(own, box)) entries.push_back({own, &e, of_a});
     }
   };
   add(a, b.box, true);
@@ -84,7 +85,7 @@ void cut_each_other(Tile& a, Tile& b, std::size_t index_a, std::size_t index_b) 
     auto& others = active[entry.of_a ? 1 : 0];
     std::erase_if(others, [&](const Entry* o) { return o->box.ymax < entry.box.ymin; });
     for (const Entry* o : others) {
-      if (apart(o->box, entry.box)) continue;
+      if (!touches(o->box, entry.box)) continue;
       cut(*entry.edge, *o->edge, entry.of_a ? index_b : index_a);
       cut(*o->edge, *entry.edge, entry.of_a ? index_a : index_b);
     }
@@ -99,7 +100,7 @@ enum class Cover { no, yes, doubtful };
 Cover covered(const Edge& e, double t, double near, std::size_t self, const std::vector<Tile>& tiles) {
   const Point2 middle = e.at(t);
   for (std::size_t j = 0; j < tiles.size(); ++j) {
-    if (j == self || apart(tiles[j].box, {middle.x, middle.y, middle.x, middle.y})) continue;
+    if (j == self || !touches(tiles[j].box, {middle.x, middle.y, middle.x, middle.y})) continue;
     bool shared = false, taken = false;
     for (const Along& along : e.along)
       if (along.tile == j && along.t0 <= t && t <= along.t1)
@@ -207,7 +208,7 @@ std::optional<double> union_area(const HeightFields& fields, Context& context) {
   if (!std::isfinite(extent * extent)) return {};
   for (std::size_t i = 0; i < tiles.size(); ++i)
     for (std::size_t j = i + 1; j < tiles.size(); ++j)
-      if (!apart(tiles[i].box, tiles[j].box)) cut_each_other(tiles[i], tiles[j], i, j);
+      if (touches(tiles[i].box, tiles[j].box)) cut_each_other(tiles[i], tiles[j], i, j);
 
   auto area = by_border(tiles, std::max(1e-12 * extent, 1e-15 * largest), context);
   if (!area) area = by_slabs(tiles, context);

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/plan_region.hpp"
 #include "io/vectors.hpp"
 #include "ops/operation.hpp"
 

@@ -12,6 +12,7 @@
 #include "ops/sha256.hpp"
 #include "server/http/header_fields.hpp"
 #include "server/http/open_file.hpp"
+#include "server/jobs/status_info.hpp"
 #include "server/service.hpp"
 
 namespace terrane {

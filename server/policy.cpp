@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "server/conditional.hpp"
 #include "server/http/compression.hpp"
+#include "server/http/conditional.hpp"
 #include "server/http/header_fields.hpp"
 
 namespace terrane {

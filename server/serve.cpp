@@ -17,9 +17,9 @@
 #include "core/error.hpp"
 #include "ops/errors.hpp"
 #include "ops/operation.hpp"
-#include "server/http/routes.hpp"
 #include "server/policy.hpp"
 #include "server/request_log.hpp"
+#include "server/routes.hpp"
 #include "server/worker/sandbox.hpp"
 
 namespace terrane {

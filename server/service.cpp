@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/service.hpp"
 
-#include <algorithm>
-
 #include "core/error.hpp"
-#include "ops/errors.hpp"
 #include "ops/operation.hpp"
 #include "server/http/unpacking.hpp"
 #include "server/pages/html.hpp"
@@ -22,18 +19,6 @@ bool is_resource(const std::string& path) {
          (path.starts_with("/processes/") && path.find('/', 11) == std::string::npos) ||
          (path.starts_with("/reports/") && path.find('/', 9) == std::string::npos);
 }
-
-}  // namespace
-
-std::string base_url(const Call& call) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']';
-  };
-  if (call.host.empty() || call.host.size() > 255 || !std::all_of(call.host.begin(), call.host.end(), plain)) return "";
-  return "http://" + call.host;
-}
-
-namespace {
 
 constexpr int most_checks = 64;  // orders of jobs that wait to be looked into
 

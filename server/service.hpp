@@ -101,9 +101,6 @@ class Service {
 /// The operation in /processes/{id}/execution, or nothing when the path is another.
 std::optional<std::string> execution_path(std::string_view path);
 
-/// "http://host" as the client addressed us, so that links work from where it stands; empty when the host is odd.
-std::string base_url(const Call& call);
-
 [[noreturn]] void refuse_path();
 
 /// What a finished execution is answered with: `out` is the folder of its outputs.

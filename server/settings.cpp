@@ -158,6 +158,13 @@ nlohmann::json parse_object(const std::string& text, const std::string& path) {
   return object;
 }
 
+/// "TERRANE_MAX_BODY".
+std::string variable_name(const Setting& setting) {
+  std::string name = "TERRANE_" + std::string(setting.name);
+  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
 }  // namespace
 
 const std::vector<Setting>& settings() {
@@ -192,12 +199,6 @@ const std::vector<Setting>& settings() {
        "How grave what is logged is at least: info (every request), warning or error."},
   };
   return all;
-}
-
-std::string variable_name(const Setting& setting) {
-  std::string name = "TERRANE_" + std::string(setting.name);
-  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
 }
 
 std::string default_text(const Setting& setting) {

@@ -30,8 +30,6 @@ struct Setting {
 
 const std::vector<Setting>& settings();
 
-/// "TERRANE_MAX_BODY".
-std::string variable_name(const Setting& setting);
 /// As it could be written: "1G", "8080", "*"; empty for an empty text or list.
 std::string default_text(const Setting& setting);
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
 
 #include "core/merge/bisected_mesh.hpp"
 #include "core/merge/blend.hpp"

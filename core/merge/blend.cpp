@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/merge/bisected_mesh.hpp"
 #include "core/merge/line_distance.hpp"

@@ -2,7 +2,6 @@
 #include "core/merge/gaps.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <tuple>
 
 #include "core/box.hpp"
@@ -10,6 +9,7 @@
 #include "core/plan/region_fill.hpp"
 #include "core/plan/segment_index.hpp"
 #include "core/predicates.hpp"
+#include "core/rounding/rounding.hpp"
 #include "core/sum.hpp"
 
 namespace terrane {

@@ -2,7 +2,6 @@
 #include "core/merge/layers.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/merge/needless.hpp"
 #include "core/overlay/mended_heights.hpp"

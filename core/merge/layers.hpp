@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/context.hpp"
-#include "core/mosaic.hpp"
+#include "core/overlay.hpp"
 #include "core/tin.hpp"
 
 namespace terrane {

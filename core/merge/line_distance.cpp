@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "core/box.hpp"
+
 namespace terrane {
 namespace {
 
@@ -152,12 +154,8 @@ void LineDistance::straighten() {
 }
 
 std::size_t LineDistance::build(std::size_t first, std::size_t last) {
-  Box box{infinite, infinite, -infinite, -infinite};
-  for (std::size_t i = first; i < last; ++i) {
-    const Box own = box_of(segments_[order_[i]]);
-    box = {std::min(box.xmin, own.xmin), std::min(box.ymin, own.ymin), std::max(box.xmax, own.xmax),
-           std::max(box.ymax, own.ymax)};
-  }
+  Box box = no_box;
+  for (std::size_t i = first; i < last; ++i) box = around(box, box_of(segments_[order_[i]]));
   const std::size_t node = nodes_.size();
   nodes_.push_back({box, first, last, 0, 0});
   if (last - first <= 4) return node;

@@ -6,7 +6,6 @@
 #include "core/merge/blend.hpp"
 #include "core/merge/needless.hpp"
 #include "core/merge/ramp.hpp"
-#include "core/merge/seams.hpp"
 #include "core/mosaic.hpp"
 #include "core/overlay.hpp"
 

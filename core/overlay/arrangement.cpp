@@ -2,12 +2,11 @@
 #include "core/overlay/arrangement.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include "core/error.hpp"
-#include "core/overlay/crossing_point.hpp"
+#include "core/plan/crossing_point.hpp"
 #include "core/overlay/edge_walk.hpp"
-#include "core/overlay/exact_place.hpp"
+#include "core/plan/exact_point.hpp"
 #include "core/overlay/heights.hpp"
 #include "core/overlay/junctions.hpp"
 #include "core/parallel.hpp"

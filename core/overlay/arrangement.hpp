@@ -2,11 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
-#include <vector>
 
 #include "core/context.hpp"
 #include "core/mesh/array.hpp"
@@ -51,12 +49,12 @@ struct Lines {
 };
 
 /// A directed piece: from nodes[at] to nodes[at + 1] in direction 0, back in direction 1.
-struct Piece {
+struct LinePiece {
   int mesh;
   Index at, direction;
   Index tail() const { return at + direction; }
   Index head() const { return at + 1 - direction; }
-  bool operator==(const Piece&) const = default;
+  bool operator==(const LinePiece&) const = default;
 };
 
 /// A place of one mesh on a place or an edge of the other: the pieces that leave it, counter-clockwise.
@@ -92,11 +90,11 @@ struct Arrangement {
   double max_move = 0;       // an upper bound of the rounding of crossings
 
   static constexpr std::uint32_t no_key = 0xFFFFFFFF;
-  std::uint32_t key(const Piece& p) const {
+  std::uint32_t key(const LinePiece& p) const {
     return (p.mesh == 0 ? 0 : 2 * static_cast<std::uint32_t>(lines[0].nodes.size())) +
            2 * static_cast<std::uint32_t>(p.at) + static_cast<std::uint32_t>(p.direction);
   }
-  Piece piece(std::uint32_t key) const {
+  LinePiece piece(std::uint32_t key) const {
     const std::uint32_t of_a = 2 * static_cast<std::uint32_t>(lines[0].nodes.size());
     const int m = key >= of_a;
     if (m) key -= of_a;
@@ -119,15 +117,15 @@ struct Arrangement {
     return h == none ? none : h >> 2;
   }
   /// The first piece along half-edge h.
-  Piece leaving(int m, Index h) const {
+  LinePiece leaving(int m, Index h) const {
     const Index e = mesh[m]->edge_of(h);
-    return mesh[m]->against(h) ? Piece{m, lines[m].first[e + 1] - 2, 1} : Piece{m, lines[m].first[e], 0};
+    return mesh[m]->against(h) ? LinePiece{m, lines[m].first[e + 1] - 2, 1} : LinePiece{m, lines[m].first[e], 0};
   }
   /// The same three edges, whole, in both meshes.
   bool shared(Index face_of_a) const;
   /// Where the region to the left of a piece goes on at its head. `straight`: without a bend, which happens at
   /// junctions only.
-  Piece next(const Piece& p, bool& straight) const {
+  LinePiece next(const LinePiece& p, bool& straight) const {
     const Node node = lines[p.mesh].nodes[p.head()];
     if (node.crossing()) {  // up A turns left along B, down A turns right; and the same with A and B changed over
       const Index turned = p.direction ^ static_cast<Index>(node.kind());
@@ -137,7 +135,7 @@ struct Arrangement {
     if (node.kind() == Node::end) return leaving(p.mesh, next_half(node.index()));
     return turn(p, node.index(), straight);
   }
-  Piece turn(const Piece& p, Index junction, bool& straight) const;
+  LinePiece turn(const LinePiece& p, Index junction, bool& straight) const;
   /// The spoke of a junction that has the key, or none.
   Index spoke_with(Index junction, std::uint32_t key) const;
   /// The face of A that holds the corner of a face of B where its half-edge h begins; none when a piece of A divides

@@ -8,7 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/pages.hpp"
-#include "core/overlay/crossing_point.hpp"
+#include "core/plan/crossing_point.hpp"
 #include "core/predicates.hpp"
 #include "core/triangle_height.hpp"
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/overlay/heights.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/parallel.hpp"
 #include "core/triangle_height.hpp"
 

@@ -2,7 +2,6 @@
 #include "core/overlay/junctions.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
@@ -73,7 +72,7 @@ class SpokeJoiner {
     }
   }
 
-  void add(int m, const Piece& piece, Index left_face, Point2 toward) {
+  void add(int m, const LinePiece& piece, Index left_face, Point2 toward) {
     Leaving l{{{Arrangement::no_key, Arrangement::no_key}, none, false},
               toward,
               toward.y < centre_.y || (toward.y == centre_.y && toward.x < centre_.x)};
@@ -160,7 +159,7 @@ Index Arrangement::spoke_with(Index junction, std::uint32_t key) const {
   return none;
 }
 
-Piece Arrangement::turn(const Piece& p, Index junction, bool& straight) const {
+LinePiece Arrangement::turn(const LinePiece& p, Index junction, bool& straight) const {
   const Index s = spoke_with(junction, key(p) ^ 1);
   if (s == none) throw Error(ErrorKind::internal, "junction", "a piece does not leave the vertex it came to");
   straight = spokes[s].straight;

@@ -48,7 +48,7 @@ class GroupFiller {
   void fill(Index group, std::span<const GroupedPiece> pieces) {
     border_.clear();
     for (const GroupedPiece& g : pieces) {
-      Piece p = g.piece;
+      LinePiece p = g.piece;
       const Index from = arrangement_.vertex(p.mesh, p.tail());
       if (from == none) continue;
       Index to;

@@ -27,7 +27,7 @@ void RegionTracer::face_of_a(Index f) {
     const Index h = 4 * f + k, e = a_.edge_of(h), direction = a_.against(h);
     const Index first = lines.first[e], count = lines.pieces(e);
     for (Index i = 0; i < count; ++i) {
-      const Piece start{0, direction == 0 ? first + i : first + count - 1 - i, direction};
+      const LinePiece start{0, direction == 0 ? first + i : first + count - 1 - i, direction};
       if (!visited_[2 * static_cast<std::size_t>(start.at) + start.direction]) trace(f, start);
     }
   }
@@ -74,10 +74,10 @@ std::array<Index, 3> RegionTracer::corners_of(const CompletedMesh& mesh, int m, 
   return {number[mesh.corner(4 * f)], number[mesh.corner(4 * f + 1)], number[mesh.corner(4 * f + 2)]};
 }
 
-void RegionTracer::trace(Index f, const Piece& start) {
+void RegionTracer::trace(Index f, const LinePiece& start) {
   const Index g = arrangement_.face_of_b(start.at, start.direction);
   if (a_.real(f) && b_.real(g) && !outline_) return trace_in_both(f, g, start);
-  Piece piece = start;
+  LinePiece piece = start;
   do {
     visit(piece);
     group(f, g, piece);
@@ -86,7 +86,7 @@ void RegionTracer::trace(Index f, const Piece& start) {
   } while (piece != start);
 }
 
-void RegionTracer::trace_in_both(Index f, Index g, const Piece& start) {
+void RegionTracer::trace_in_both(Index f, Index g, const LinePiece& start) {
   const Index* const vertex_of_node = arrangement_.vertex_of_node.data();
   const Index start_at = start.at, start_direction = start.direction;
   std::uint8_t* const visited = visited_.data();
@@ -123,7 +123,7 @@ void RegionTracer::trace_in_both(Index f, Index g, const Piece& start) {
     } else {
       bool straight = false;
       corners[count] = arrangement_.vertex(m, head);
-      const Piece piece = arrangement_.next({m, at, direction}, straight);
+      const LinePiece piece = arrangement_.next({m, at, direction}, straight);
       m = piece.mesh, at = piece.at, direction = piece.direction;
       if (straight) straight_[count] = 1, bends = false;
     }
@@ -133,7 +133,7 @@ void RegionTracer::trace_in_both(Index f, Index g, const Piece& start) {
   if (!bends) std::fill_n(straight_.begin(), count, 0);  // all 0 between regions
 }
 
-void RegionTracer::visit(const Piece& piece) {
+void RegionTracer::visit(const LinePiece& piece) {
   if (piece.mesh == 0) visited_[2 * static_cast<std::size_t>(piece.at) + piece.direction] = 1;
 }
 
@@ -147,7 +147,7 @@ void RegionTracer::emit_convex(Index a, Index b, std::span<const Index> corners,
   sink_.all_positive = sink_.all_positive && positive;
 }
 
-Index RegionTracer::edge_of(int m, Index f, const Piece& piece) const {
+Index RegionTracer::edge_of(int m, Index f, const LinePiece& piece) const {
   const Lines& lines = arrangement_.lines[m];
   for (int k = 0; k < 3; ++k) {
     const Index e = arrangement_.mesh[m]->edge_of(4 * f + k);
@@ -156,7 +156,7 @@ Index RegionTracer::edge_of(int m, Index f, const Piece& piece) const {
   throw Error(ErrorKind::internal, "overlay", "a region has a border that its faces do not have");
 }
 
-void RegionTracer::group(Index f, Index g, const Piece& piece) {
+void RegionTracer::group(Index f, Index g, const LinePiece& piece) {
   const auto border_of_b = [&](Index e) { return outline_ ? b_.sides[e] == 1 : b_.sides[e] > 0; };
   const Index e = edge_of(piece.mesh, piece.mesh == 0 ? f : g, piece);
   bool significant = piece.mesh == 0 ? a_.sides[e] > 0 : border_of_b(e);

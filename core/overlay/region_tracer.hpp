@@ -15,7 +15,7 @@ namespace terrane {
 /// A piece of the border of a region that ghost edges cut up.
 struct GroupedPiece {
   Index group;
-  Piece piece;
+  LinePiece piece;
 };
 
 /// What the faces of one range gave.
@@ -104,20 +104,20 @@ class RegionTracer {
   Index parent_in_b(Index g) const { return !b_.real(g) ? none : outline_ ? 0 : g; }
 
   /// Follows the border of the region to the left of a piece of face f of A.
-  void trace(Index f, const Piece& start);
+  void trace(Index f, const LinePiece& start);
 
   /// The same where there is nothing to it but corners: the innermost loop of the overlay. It walks to and fro between
   /// pieces of A and of B as if at random, so the mesh is a number to look up with and not to branch on.
-  void trace_in_both(Index f, Index g, const Piece& start);
-  void visit(const Piece& piece);
+  void trace_in_both(Index f, Index g, const LinePiece& start);
+  void visit(const LinePiece& piece);
 
   void emit_convex(Index a, Index b, std::span<const Index> corners, std::span<const std::uint8_t> straight);
 
   /// The edge of face f of mesh m that a piece is part of.
-  Index edge_of(int m, Index f, const Piece& piece) const;
+  Index edge_of(int m, Index f, const LinePiece& piece) const;
 
   /// Notes a piece of the border of a region outside A or B, unless it is a ghost edge's.
-  void group(Index f, Index g, const Piece& piece);
+  void group(Index f, Index g, const LinePiece& piece);
 
   const Arrangement& arrangement_;
   const CompletedMesh &a_, &b_;

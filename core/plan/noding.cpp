@@ -9,19 +9,15 @@
 #include "core/box.hpp"
 #include "core/error.hpp"
 #include "core/plan/delaunay.hpp"
+#include "core/plan/exact_place.hpp"
 #include "core/plan/place_order.hpp"
 #include "core/predicates.hpp"
-#include "core/rounding/rounding.hpp"
 #include "core/shortest.hpp"
 
 namespace terrane {
 namespace {
 
 Box box_of(Point2 p, Point2 q) { return around(Box{p.x, p.y, p.x, p.y}, q); }
-
-bool meet(const Box& s, const Box& t) {
-  return s.xmin <= t.xmax && t.xmin <= s.xmax && s.ymin <= t.ymax && t.ymin <= s.ymax;
-}
 
 /// Does p, on the line through a and b, lie strictly between them?
 bool between(Point2 a, Point2 b, Point2 p) {
@@ -193,7 +189,7 @@ std::vector<Crossing> find_crossings(std::span<const Point2> points, std::span<c
       if (found.size() > most_crossings) refuse("cross each other more than 10 million times");
       if (work > enough) refuse("lie so close to each other that too many would have to be compared");
       for (std::size_t j = i + 1; j < near.size() && near[j].first.xmin <= near[i].first.xmax; ++j, ++work) {
-        if (!meet(near[i].first, near[j].first)) continue;
+        if (!touches(near[i].first, near[j].first)) continue;
         work += work_to_look;
         const auto [first, second] = std::minmax(near[i].second, near[j].second);
         const NodedEdge &a = edges[first], &b = edges[second];

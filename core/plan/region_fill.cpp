@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "core/overlay/exact_place.hpp"
+#include "core/plan/exact_point.hpp"
 
 namespace terrane {
 namespace {

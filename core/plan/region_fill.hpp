@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/rounding/rounding.hpp"
+#include "core/plan/exact_place.hpp"
 #include "core/tin.hpp"
 
 // Triangulations of regions given by their borders: the only place where general polygons with holes are triangulated.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/plan/near_place.hpp"
 #include "core/rounding/rounding.hpp"
 
 // Positions of vertices on their way from exact to rounded places, and exact signs of areas on them. Every position is
@@ -15,28 +16,11 @@
 // core only.
 namespace terrane {
 
-using Rational = CGAL::Exact_rational;
-
-/// at + offset, to within `error` in each coordinate.
-struct NearPlace {
-  Point2 at, offset;
-  double error = 0;
-  Index vertex = none;  // whose exact place it is; none: exactly `at`
-
-  bool plain() const { return vertex == none; }
-  double reach() const { return plain() ? 0 : std::fmax(std::fabs(offset.x), std::fabs(offset.y)) + error; }
-};
-
 /// A number known to within `error`, which is 0 only when it is known exactly.
 struct Approximate {
   double value = 0, error = 0;
   bool decided() const { return std::fabs(value) > error || error == 0; }
   int sign() const { return value > 0 ? 1 : value < 0 ? -1 : 0; }
-};
-
-struct ExactPair {
-  Rational x, y;
-  bool operator==(const ExactPair&) const = default;
 };
 
 class KineticPlaces {
@@ -70,9 +54,6 @@ class KineticPlaces {
   std::vector<Index> lifted_;
   std::vector<NearPlace> places_;
 };
-
-/// `at`, an exact place rounded to some digits, to the last: within an ulp of its coordinates.
-Point2 refined(const ExactPlace& place, Point2 at);
 
 /// to - from along one axis, `size` an upper bound of what was added up.
 struct Difference {

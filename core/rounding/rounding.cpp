@@ -3,15 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "core/error.hpp"
-#include "core/overlay/crossing_point.hpp"
-#include "core/predicates.hpp"
 #include "core/rounding/greedy.hpp"
 #include "core/rounding/kinetic.hpp"
-#include "core/rounding/kinetic_places.hpp"
 #include "core/rounding/lost_vertices.hpp"
 #include "core/rounding/mesh_editor.hpp"
 #include "core/shortest.hpp"
@@ -144,25 +140,6 @@ KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::
 }
 
 }  // namespace
-
-Point2 rounded(const ExactPlace& place) {
-  if (place.kind == ExactPlace::ratio) {
-    constexpr Point2 any{0, 0}, other{1, 1};
-    const double to_p = std::fabs(place.dp), to_q = std::fabs(place.dq);
-    const bool far = to_p > to_q;
-    const Point2 at = point_on_segment(any, other, far ? place.q : place.p, far ? place.p : place.q,
-                                       (far ? to_q : to_p) / (to_p + to_q));
-    return is_long(place.p, place.q) ? refined(place, at) : at;
-  }
-  double to_r = area2_accurate(place.p, place.q, place.r), to_s = area2_accurate(place.p, place.q, place.s);
-  if (std::fabs(to_r) + std::fabs(to_s) < tiny_area)
-    to_r = area2_magnified(place.p, place.q, place.r), to_s = area2_magnified(place.p, place.q, place.s);
-  return crossing_point(place.p, place.q, place.r, place.s, std::fabs(to_r), std::fabs(to_s));
-}
-
-double rounding_bound(const ExactPlace& place) {
-  return place.kind == ExactPlace::ratio ? larger_bound(0, place.p, place.q) : larger_bound(0, place.r, place.s);
-}
 
 void connect(PlanarMesh& mesh) {
   std::vector<Index> start(mesh.points.size() + 2, 0);

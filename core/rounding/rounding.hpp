@@ -6,27 +6,13 @@
 
 #include "core/context.hpp"
 #include "core/overlay.hpp"
+#include "core/plan/exact_place.hpp"
 #include "core/tin.hpp"
 
 // From exact positions to doubles that are a valid mesh. Input vertices never move; a constructed vertex lands on its
 // rounded place; faces that rounding turned over are mended by local merges and flips, by kinetic moves where that is
 // not enough.
 namespace terrane {
-
-/// Where a vertex that rounding moves lies exactly.
-struct ExactPlace {
-  enum Kind { input, crossing, ratio, lattice } kind = input;
-  Point2 p, q;            // crossing: the line p q; ratio: from p to q; lattice: p, an input vertex that may move
-  Point2 r = {}, s = {};  // crossing: the line r s
-  double dp = 0, dq = 0;  // ratio: values of opposite sign at p and q; the place is where they interpolate to 0
-};
-
-/// The double place of an exact one, to about an ulp of its coordinates; coordinates that the lines hold constant are
-/// kept.
-Point2 rounded(const ExactPlace& place);
-
-/// An upper bound of |rounded(place) - place|.
-double rounding_bound(const ExactPlace& place);
 
 /// A triangulated piece of the plane under repair.
 struct PlanarMesh {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/context.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/tin.hpp"

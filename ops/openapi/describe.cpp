@@ -61,8 +61,7 @@ nlohmann::json memory_json(const MemoryFigures& figures) {
   return {{"title", "Memory beside the program and the request"}, {"parameters", parameters}};
 }
 
-}  // namespace
-
+/// The OGC name of an operation's output where it has one: surface, report or picture.
 std::string output_id(const Operation& operation) {
   switch (operation.result) {
     case ResultKind::surface:
@@ -79,6 +78,21 @@ std::string output_id(const Operation& operation) {
   }
   return "report";
 }
+
+/// The OGC descriptions of what an operation returns, by name.
+nlohmann::json outputs_json(const Operation& operation) {
+  nlohmann::json outputs = nlohmann::json::object();
+  for (const OutputSlot& output : operation.outputs)
+    outputs[output.name] = {
+        {"title", title_of(output.name)}, {"description", output.sentence}, {"schema", output.schema}};
+  if (!outputs.empty()) return outputs;
+  return {{output_id(operation),
+           {{"title", title_of(output_id(operation))},
+            {"description", operation.description},
+            {"schema", output_schema(operation)}}}};
+}
+
+}  // namespace
 
 nlohmann::json parameter_schema(const Parameter& p) {
   nlohmann::json schema;
@@ -130,18 +144,6 @@ nlohmann::json parameter_schema(const Parameter& p) {
   }
   if (!p.default_value.is_null()) schema["default"] = p.default_value;
   return schema;
-}
-
-nlohmann::json outputs_json(const Operation& operation) {
-  nlohmann::json outputs = nlohmann::json::object();
-  for (const OutputSlot& output : operation.outputs)
-    outputs[output.name] = {
-        {"title", title_of(output.name)}, {"description", output.sentence}, {"schema", output.schema}};
-  if (!outputs.empty()) return outputs;
-  return {{output_id(operation),
-           {{"title", title_of(output_id(operation))},
-            {"description", operation.description},
-            {"schema", output_schema(operation)}}}};
 }
 
 nlohmann::json process_summary(const Operation& operation) {

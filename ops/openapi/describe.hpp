@@ -7,12 +7,6 @@
 
 namespace terrane {
 
-/// The OGC name of an operation's output where it has one: surface, report or picture.
-std::string output_id(const Operation& operation);
-
-/// The OGC descriptions of what an operation returns, by name.
-nlohmann::json outputs_json(const Operation& operation);
-
 /// A command that runs an operation at the service `base`.
 std::string example_command(const Operation& operation, const std::string& base);
 

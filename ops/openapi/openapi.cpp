@@ -59,6 +59,18 @@ Json found(const Json& ok, std::initializer_list<int> further) {
   return all;
 }
 
+Json query_parameter(const std::string& name, const Json& schema, const std::string& description) {
+  return {{"name", name}, {"in", "query"}, {"required", false}, {"description", description}, {"schema", schema}};
+}
+
+Json page_response(const std::string& description, const Json& schema) {
+  return {{"description", description},
+          {"content", {{"application/json", {{"schema", schema}}}, {"text/html", html_content()}}}};
+}
+
+namespace {
+
+/// The responses that are the same everywhere, by name.
 Json response_components() {
   Json list = {{"not-modified", {{"description", "It is what the client has, as If-None-Match says."}}},
                {"part",
@@ -73,17 +85,6 @@ Json response_components() {
   }
   return list;
 }
-
-Json query_parameter(const std::string& name, const Json& schema, const std::string& description) {
-  return {{"name", name}, {"in", "query"}, {"required", false}, {"description", description}, {"schema", schema}};
-}
-
-Json page_response(const std::string& description, const Json& schema) {
-  return {{"description", description},
-          {"content", {{"application/json", {{"schema", schema}}}, {"text/html", html_content()}}}};
-}
-
-namespace {
 
 Json f_parameter() {
   return query_parameter("f", {{"type", "string"}, {"enum", {"json", "html"}}},

@@ -20,8 +20,6 @@ nlohmann::json responses(nlohmann::json given, std::initializer_list<int> refusa
 nlohmann::json query_parameter(const std::string& name, const nlohmann::json& schema, const std::string& description);
 /// The same of a GET, which may be about a part, or about what the client has already.
 nlohmann::json found(const nlohmann::json& ok, std::initializer_list<int> refusals = {});
-/// The responses that are the same everywhere, by name.
-nlohmann::json response_components();
 
 /// A response that is JSON of a schema, and a page for people.
 nlohmann::json page_response(const std::string& description, const nlohmann::json& schema);

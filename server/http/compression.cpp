@@ -8,7 +8,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "server/conditional.hpp"
+#include "server/http/conditional.hpp"
 #include "server/http/header_fields.hpp"
 
 namespace terrane {

@@ -13,7 +13,7 @@
 
 #include "core/error.hpp"
 #include "server/http/http_limits.hpp"
-#include "server/refusal.hpp"
+#include "server/http/refusal.hpp"
 
 namespace terrane {
 

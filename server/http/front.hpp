@@ -64,7 +64,6 @@ class Front {
   void read_body(Client& client);
   void linger(Client& client);
   void try_head(Client& client);
-  void take_body(Client& client, std::string_view bytes);
   void give_to_worker(Client& client);
   void take_back();
   void take_back(Client& client, Verdict verdict);

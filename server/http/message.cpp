@@ -2,6 +2,7 @@
 #include "server/http/message.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 #include "ops/errors.hpp"
 #include "ops/json_value.hpp"
@@ -104,6 +105,14 @@ std::optional<std::uint64_t> Reply::size() const {
   if (const auto* text = std::get_if<std::string>(&body)) return text->size();
   if (const auto* file = std::get_if<FileBody>(&body)) return file->size;
   return std::nullopt;
+}
+
+std::string base_url(const Call& call) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']';
+  };
+  if (call.host.empty() || call.host.size() > 255 || !std::all_of(call.host.begin(), call.host.end(), plain)) return "";
+  return "http://" + call.host;
 }
 
 std::string header_value(const Call& call, std::string_view small_name) {

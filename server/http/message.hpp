@@ -76,6 +76,9 @@ Reply problem_reply(const std::exception& exception);
 /// "Not Found" for 404.
 std::string_view status_title(int status);
 
+/// "http://host" as the client addressed us, so that links work from where it stands; empty when the host is odd.
+std::string base_url(const Call& call);
+
 /// The value of a header, "" when it is not there; of several with that name all, with commas between.
 std::string header_value(const Call& call, std::string_view small_name);
 

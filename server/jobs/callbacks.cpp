@@ -6,6 +6,7 @@
 
 #include "server/http/open_file.hpp"
 #include "server/jobs/jobs.hpp"
+#include "server/jobs/status_info.hpp"
 #include "server/request_log.hpp"
 
 namespace terrane {

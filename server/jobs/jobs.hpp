@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -15,7 +14,7 @@
 #include "server/data_folder.hpp"
 #include "server/jobs/callbacks.hpp"
 #include "server/jobs/job_store.hpp"
-#include "server/requests/references.hpp"
+#include "server/jobs/references.hpp"
 #include "server/worker/workers.hpp"
 
 namespace terrane {
@@ -96,12 +95,5 @@ class Jobs {
   Callbacks callbacks_;
   std::vector<std::thread> threads_;
 };
-
-/// How the client that ordered it addressed us.
-std::string base_of(const DataFolder& data, const Job& job);
-/// OGC API - Processes 1.0, statusInfo.yaml, with links from `base`.
-nlohmann::json status_info(const Job& job, const std::string& base);
-/// RFC 3339, UTC, milliseconds.
-std::string timestamp(Instant instant);
 
 }  // namespace terrane

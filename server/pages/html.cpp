@@ -64,6 +64,16 @@ constexpr const char* style =
     "border-bottom:1px solid #ddd}pre{background:#f2f2f2;padding:1em;overflow:auto}summary{color:#666;cursor:pointer}"
     "h2{margin-top:2em}h3{margin:2em 0 .5em}code{background:#f2f2f2}";
 
+/// What a description says beside the standard's own members: names and values.
+std::string additional_html(const Json& description) {
+  if (!description.contains("additionalParameters")) return "";
+  const Json& additional = description["additionalParameters"];
+  std::string rows;
+  for (const Json& parameter : additional.at("parameters"))
+    rows += "<tr><th>" + escaped(member(parameter, "name")) + "</th>" + cell(parameter.at("value").dump()) + "</tr>\n";
+  return "<h2>" + escaped(member(additional, "title")) + "</h2>\n<table>\n" + rows + "</table>\n";
+}
+
 }  // namespace
 
 std::string escaped(std::string_view text) {
@@ -155,16 +165,6 @@ std::string process_list_html(const Json& list) {
             "</h2>\n<p><b>" + escaped(member(process, "title")) + ".</b> " + escaped(member(process, "description")) +
             "</p>\n" + summary_facts(process) + links_html(process.value("links", Json::array()));
   return text + "<h2>Links</h2>\n" + links_html(list.at("links"));
-}
-
-/// What a description says beside the standard's own members: names and values.
-std::string additional_html(const Json& description) {
-  if (!description.contains("additionalParameters")) return "";
-  const Json& additional = description["additionalParameters"];
-  std::string rows;
-  for (const Json& parameter : additional.at("parameters"))
-    rows += "<tr><th>" + escaped(member(parameter, "name")) + "</th>" + cell(parameter.at("value").dump()) + "</tr>\n";
-  return "<h2>" + escaped(member(additional, "title")) + "</h2>\n<table>\n" + rows + "</table>\n";
 }
 
 std::string process_html(const Json& description, const std::string& example) {

@@ -8,7 +8,6 @@
 #include "ops/operation.hpp"
 #include "server/http/header_fields.hpp"
 #include "server/pages/html.hpp"
-#include "server/service.hpp"
 
 namespace terrane {
 

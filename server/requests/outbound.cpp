@@ -61,6 +61,23 @@ bool is_private_v4(std::uint32_t a) {
          in(0xC6336400, 24) || in(0xCB007100, 24) || in(0xE0000000, 3);
 }
 
+/// An address of the machine itself or of a network that is nobody else's business; or no address at all.
+bool is_private_address(const std::string& address) {
+  in_addr v4;
+  if (inet_pton(AF_INET, address.c_str(), &v4) == 1) return is_private_v4(ntohl(v4.s_addr));
+  in6_addr v6;
+  if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return true;
+  const auto* b = v6.s6_addr;
+  const auto v4_at = [&](int i) {
+    return is_private_v4(std::uint32_t{b[i]} << 24 | std::uint32_t{b[i + 1]} << 16 | std::uint32_t{b[i + 2]} << 8 |
+                         b[i + 3]);
+  };
+  if (IN6_IS_ADDR_V4MAPPED(&v6) || IN6_IS_ADDR_V4COMPAT(&v6)) return v4_at(12);
+  if (b[0] == 0x20 && b[1] == 0x02) return v4_at(2);                                // 6to4
+  if (b[0] == 0 && b[1] == 0x64 && b[2] == 0xFF && b[3] == 0x9B) return v4_at(12);  // NAT64
+  return (b[0] & 0xE0) != 0x20;  // global unicast is 2000::/3; loopback, unique local, link-local, multicast are not
+}
+
 struct Transfer {
   std::string host;  // of the URI
   bool refused = false;
@@ -136,22 +153,6 @@ Handle handle_for(const std::string& uri, Transfer& transfer, long seconds) {
 }
 
 }  // namespace
-
-bool is_private_address(const std::string& address) {
-  in_addr v4;
-  if (inet_pton(AF_INET, address.c_str(), &v4) == 1) return is_private_v4(ntohl(v4.s_addr));
-  in6_addr v6;
-  if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return true;
-  const auto* b = v6.s6_addr;
-  const auto v4_at = [&](int i) {
-    return is_private_v4(std::uint32_t{b[i]} << 24 | std::uint32_t{b[i + 1]} << 16 | std::uint32_t{b[i + 2]} << 8 |
-                         b[i + 3]);
-  };
-  if (IN6_IS_ADDR_V4MAPPED(&v6) || IN6_IS_ADDR_V4COMPAT(&v6)) return v4_at(12);
-  if (b[0] == 0x20 && b[1] == 0x02) return v4_at(2);                                // 6to4
-  if (b[0] == 0 && b[1] == 0x64 && b[2] == 0xFF && b[3] == 0x9B) return v4_at(12);  // NAT64
-  return (b[0] & 0xE0) != 0x20;  // global unicast is 2000::/3; loopback, unique local, link-local, multicast are not
-}
 
 bool Outbound::is_allowed(const std::string& uri) const {
   const auto place = place_of(uri);

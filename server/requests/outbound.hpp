@@ -41,7 +41,4 @@ class Outbound {
   mutable std::atomic<bool> stopping_ = false;
 };
 
-/// An address of the machine itself or of a network that is nobody else's business; or no address at all.
-bool is_private_address(const std::string& address);
-
 }  // namespace terrane

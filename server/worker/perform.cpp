@@ -11,6 +11,7 @@
 #include "ops/sha256.hpp"
 #include "server/data_folder.hpp"
 #include "server/http/open_file.hpp"
+#include "server/requests/execute_request.hpp"
 #include "server/requests/multipart.hpp"
 
 namespace terrane {

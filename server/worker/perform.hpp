@@ -8,7 +8,6 @@
 
 #include "core/context.hpp"
 #include "server/http/message.hpp"
-#include "server/requests/execute_request.hpp"
 
 // An execution from the bytes of its request to the bytes of its answer, between files of one folder. It is done by a
 // worker process, which is all that ever looks into what a client sent.

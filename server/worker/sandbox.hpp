@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <string>
 
 // What a worker process may do: read the system's libraries and data, use one folder of its own, and compute. No
 // network, no other program, no other user's rights. Linux: Landlock, seccomp, resource limits.

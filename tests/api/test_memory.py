@@ -6,9 +6,9 @@ import signal
 import time
 import unittest
 
+from jobs import LONG, submit, wait_for, workers_of
 from service import File, Service
 from terrains import hills, lattice_ply
-from test_jobs import LONG, submit, wait_for, workers_of
 
 MEGA = 2**20
 

@@ -5,7 +5,7 @@ set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir "$tree"/{core,io,ops,server,cli}
+mkdir -p "$tree"/{core/overlay,io,ops,server,cli}
 failed=0
 try() { # try WANTED_CODE FILE INCLUDE
   echo "#include $3" >"$tree/$2"
@@ -25,6 +25,8 @@ try 1 server/a.cpp '"cli/main.hpp"'
 try 1 core/a.cpp '"tin.hpp"'
 try 0 core/a.cpp '"core/overlay/arrangement.hpp"'
 try 1 io/a.cpp '"core/overlay/arrangement.hpp"'
+try 0 core/overlay/a.hpp '"core/plan/noding.hpp"'
+try 1 core/overlay/a.hpp '"core/surface/walls.hpp"'
 echo '#include <CGAL/Epeck.h>' >"$tree/core/heavy.hpp"
 try 0 core/a.cpp '"core/heavy.hpp"'
 try 1 core/a.hpp '"core/heavy.hpp"'

@@ -6,7 +6,6 @@
 
 #include "core/arithmetic.hpp"
 #include "core/merge.hpp"
-#include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"
 #include "support/terrains.hpp"

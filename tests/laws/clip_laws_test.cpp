@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/clip.hpp"
-#include "core/error.hpp"
 #include "core/merge.hpp"
 #include "core/validate.hpp"
 #include "core/volume.hpp"

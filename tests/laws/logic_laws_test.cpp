@@ -8,7 +8,6 @@
 #include <random>
 #include <vector>
 
-#include "core/error.hpp"
 #include "core/logic.hpp"
 #include "core/validate.hpp"
 #include "core/volume.hpp"

@@ -10,7 +10,6 @@
 #include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/cells.hpp"
-#include "support/height_judge.hpp"
 #include "support/merge_judge.hpp"
 #include "support/oracle.hpp"
 #include "support/overlay_judge.hpp"

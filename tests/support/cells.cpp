@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/cells.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace terrane::support {
 namespace {
 

@@ -22,8 +22,6 @@ struct OracleCounts {
 };
 OracleCounts oracle_counts(const Tin& a, const Tin& b);
 
-inline std::size_t oracle_region_count(const Tin& a, const Tin& b) { return oracle_counts(a, b).regions; }
-
 /// The height of a TIN at a place by exact barycentric coordinates: the lowest-index face that holds it; NaN outside.
 double oracle_height(const Tin& tin, Point2 at);
 

@@ -4,15 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
 #include <set>
 
 #include "core/error.hpp"
 #include "core/merge.hpp"
-#include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"
-#include "support/merge_judge.hpp"
 #include "support/small_mesh.hpp"
 #include "support/terrains.hpp"
 

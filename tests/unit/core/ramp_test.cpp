@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/arithmetic.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/error.hpp"
 #include "support/checks.hpp"
 #include "support/oracle.hpp"

@@ -9,7 +9,6 @@
 
 #include "core/error.hpp"
 #include "core/predicates.hpp"
-#include "core/validate.hpp"
 #include "core/volume.hpp"
 #include "support/checks.hpp"
 

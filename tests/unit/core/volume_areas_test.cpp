@@ -10,7 +10,6 @@
 #include <string>
 
 #include "core/face_runs.hpp"
-#include "core/level_cuts.hpp"
 #include "core/plan/zone_polygons.hpp"
 #include "core/plan_region.hpp"
 #include "core/validate.hpp"

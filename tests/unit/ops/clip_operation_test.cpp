@@ -5,58 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 // clip and synthesize-* through plan and execute, as the doors call them.
 namespace terrane {
 namespace {
 
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-Response run(const std::string& operation, std::vector<InputPart> inputs, Parameters parameters,
-             const std::string& format = "json") {
-  Request request;
-  request.operation = operation;
-  request.inputs = std::move(inputs);
-  request.parameters = std::move(parameters);
-  request.format = format;
-  Context context;
-  return execute(plan(request), context);
-}
-
-Error refusal(const std::string& operation, std::vector<InputPart> inputs, Parameters parameters) {
-  try {
-    run(operation, std::move(inputs), std::move(parameters));
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << operation << " was not refused";
-  return {ErrorKind::internal, "not-refused", ""};
-}
-
-bool says(const Error& error, const std::string& words) {
-  return std::string(error.what()).find(words) != std::string::npos;
-}
-
-bool warned(const Response& r, std::string_view code) {
-  return std::any_of(r.warnings.begin(), r.warnings.end(), [&](const Warning& w) { return w.code == code; });
-}
-
 /// 10 x 10 cells of 10 m, z = x / 10.
 InputPart slope(const std::string& crs = "EPSG:25831") {
-  nlohmann::json tin = {{"type", "TIN"}};
-  for (int y = 0; y <= 10; ++y)
-    for (int x = 0; x <= 10; ++x) tin["vertices"].push_back({500000 + 10 * x, 4600000 + 10 * y, x});
-  for (int y = 0; y < 10; ++y)
-    for (int x = 0; x < 10; ++x) {
-      const int a = 11 * y + x;
-      tin["triangles"].push_back({a, a + 1, a + 12});
-      tin["triangles"].push_back({a, a + 12, a + 11});
-    }
-  if (!crs.empty()) tin["crs"] = crs;
-  return {"surface", "slope.json", "", tin.dump()};
+  return {"surface", "slope.json", "", lattice(10, 500000, 4600000, 10, [](int i, int) { return i; }, crs)};
 }
 
 void expect_exact(const Response& r, double area) {

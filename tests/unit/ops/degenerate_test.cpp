@@ -3,11 +3,9 @@
 
 #include <cmath>
 
-#include "core/error.hpp"
 #include "core/tin.hpp"
 #include "ops/heights.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 using namespace terrane;
 
@@ -27,13 +25,6 @@ std::string grid(int columns, double west, double south) {
     text += "\n";
   }
   return text;
-}
-
-Response run(const std::string& operation, std::vector<InputPart> inputs,
-             std::vector<std::pair<std::string, std::string>> parameters = {}) {
-  Context context;
-  return execute(plan({.operation = operation, .inputs = std::move(inputs), .parameters = std::move(parameters)}),
-                 context);
 }
 
 template <class Run>

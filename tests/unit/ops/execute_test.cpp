@@ -4,59 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
 #include "ops/sha256.hpp"
+#include "unit/ops/requests.hpp"
 
 using namespace terrane;
 
 namespace {
-
-/// A square of two faces on the plane z = height + slope * x.
-std::string square(double x, double y, double size, double height, double slope, const std::string& crs) {
-  nlohmann::json tin = {{"type", "TIN"}, {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
-  for (auto [u, v] : {std::pair{x, y}, {x + size, y}, {x + size, y + size}, {x, y + size}})
-    tin["vertices"].push_back({u, v, height + slope * u});
-  if (!crs.empty()) tin["crs"] = crs;
-  return tin.dump();
-}
-
-struct Case {
-  std::string operation;
-  std::vector<InputPart> inputs;
-  std::vector<std::pair<std::string, std::string>> parameters = {};
-  std::string format = {};
-};
-
-Response run(const Case& c) {
-  Request request;
-  request.operation = c.operation;
-  request.inputs = c.inputs;
-  request.parameters = c.parameters;
-  request.format = c.format;
-  Context context;
-  return execute(plan(request), context);
-}
-
-Error refusal(const Case& c) {
-  try {
-    run(c);
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << c.operation << " was not refused";
-  return {ErrorKind::internal, "not-refused", ""};
-}
-
-InputPart part(std::string slot, std::string bytes, std::string name = "") {
-  if (name.empty()) name = slot + ".json";
-  return {std::move(slot), std::move(name), "", std::move(bytes)};
-}
-
-bool warned(const Response& r, std::string_view code) {
-  return std::any_of(r.warnings.begin(), r.warnings.end(), [&](const Warning& w) { return w.code == code; });
-}
 
 const std::string utm = "EPSG:25831";
 const std::string a = square(470000, 4380000, 100, 10, 0, utm), b = square(470050, 4380000, 100, 4, 0, utm);
@@ -133,7 +86,7 @@ TEST(Execute, VolumesBetweenAndAboveALevel) {
 
 TEST(Execute, AreasInSpaceInDegreesAreThoseOnTheGround) {
   // z rises by 1000 m over 0.01 degrees of longitude at 40 N, about 854 m: a slope that steepens areas by 1.54.
-  const std::string ramp = square(3.0, 40.0, 0.01, -300000, 100000, "EPSG:4326");
+  const std::string ramp = square(3.0, 40.0, 0.01, 0, 100000, "EPSG:4326");
   const Response r = run({"volume", {part("surface", ramp), {"reference", "", "", "-1"}}});
   const auto& above = r.report["rows"][0]["above"];
   const double ratio = above["area_3d"].get<double>() / above["area_2d"].get<double>();

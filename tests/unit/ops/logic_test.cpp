@@ -5,53 +5,13 @@
 #include <cmath>
 #include <set>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 using namespace terrane;
 
 namespace {
 
 using Inputs = std::vector<InputPart>;
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-InputPart part(std::string slot, std::string bytes) { return {slot, slot + ".json", "", std::move(bytes)}; }
-
-Response run(const std::string& operation, Inputs inputs, Parameters parameters = {}) {
-  Request request;
-  request.operation = operation;
-  request.inputs = std::move(inputs);
-  request.parameters = std::move(parameters);
-  request.format = "json";
-  Context context;
-  return execute(plan(request), context);
-}
-
-Error refusal(const std::string& operation, Inputs inputs, Parameters parameters = {}) {
-  try {
-    run(operation, std::move(inputs), std::move(parameters));
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << operation << " was not refused";
-  return {ErrorKind::internal, "not-refused", ""};
-}
-
-/// A lattice of n x n cells with heights by z(column, row).
-template <class Z>
-std::string lattice(int n, double x, double y, double cell, Z z, const std::string& crs = "EPSG:25831") {
-  nlohmann::json tin = {{"type", "TIN"}, {"crs", crs}};
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) tin["vertices"].push_back({x + cell * i, y + cell * j, z(i, j)});
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int v = j * (n + 1) + i;
-      tin["triangles"].push_back({v, v + 1, v + n + 2});
-      tin["triangles"].push_back({v, v + n + 2, v + n + 1});
-    }
-  return tin.dump();
-}
 
 /// A dome whose level 50 is a ring about its middle.
 std::string dome(double x, double y) {
@@ -79,10 +39,6 @@ std::set<double> heights(const Response& r) {
 std::pair<nlohmann::json, nlohmann::json> mesh(const Response& r) {
   const auto tin = nlohmann::json::parse(r.body);
   return {tin["vertices"], tin["triangles"]};
-}
-
-bool warned(const Response& r, std::string_view code) {
-  return std::any_of(r.warnings.begin(), r.warnings.end(), [&](const Warning& w) { return w.code == code; });
 }
 
 }  // namespace

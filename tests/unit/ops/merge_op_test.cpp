@@ -4,44 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 namespace terrane {
 namespace {
 
-/// A square of two faces at a height, its lower left corner at (x, y).
 std::string square(double x, double y, double size, double height, const std::string& crs = "local:m") {
-  nlohmann::json tin = {{"type", "TIN"}, {"triangles", {{0, 1, 2}, {0, 2, 3}}}, {"crs", crs}};
-  for (auto [u, v] : {std::pair{x, y}, {x + size, y}, {x + size, y + size}, {x, y + size}})
-    tin["vertices"].push_back({u, v, height});
-  return tin.dump();
+  return terrane::square(x, y, size, height, 0, crs);
 }
 
 InputPart tile(const std::string& bytes, const std::string& name) { return {"tiles", name, "", bytes}; }
 InputPart level(const std::string& number) { return {"tiles", "", "", number}; }
 
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-Response run(const std::string& operation, std::vector<InputPart> inputs, Parameters parameters = {},
-             const std::string& format = "") {
-  Request request;
-  request.operation = operation;
-  request.inputs = std::move(inputs);
-  request.parameters = std::move(parameters);
-  request.format = format;
-  Context context;
-  return execute(plan(request), context);
-}
-
 Error refusal(std::vector<InputPart> inputs, Parameters parameters) {
-  try {
-    run("merge", std::move(inputs), std::move(parameters));
-  } catch (const Error& error) {
-    return error;
-  }
-  return {ErrorKind::internal, "not-refused", ""};
+  return terrane::refusal("merge", std::move(inputs), std::move(parameters));
 }
 
 std::vector<double> heights(const Response& response) {

@@ -4,15 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 using namespace terrane;
 
 namespace {
-
-using Parameters = std::vector<std::pair<std::string, std::string>>;
 
 std::string grid(int n, int (*height)(int i, int j, int n)) {
   std::string text = "ncols " + std::to_string(n) + "\nnrows " + std::to_string(n) +
@@ -35,25 +31,14 @@ std::string roof(int n) {
 Response run(const std::string& operation, const std::string& bytes, Parameters parameters,
              const std::string& format = "", const std::string& name = "surface.asc") {
   parameters.emplace_back("assume-crs", "EPSG:25831");
-  Context context;
-  return execute(plan({operation, {{"surface", name, "", bytes}}, std::move(parameters), format, {}, ""}), context);
+  return terrane::run(operation, {{"surface", name, "", bytes}}, std::move(parameters), format);
 }
 
-Error refusal(const std::string& operation, Parameters parameters) {
-  try {
-    run(operation, hill(5), std::move(parameters));
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "not refused";
-  return {ErrorKind::internal, "not-refused", ""};
+Error refused(const std::string& operation, Parameters parameters) {
+  return refusal_of([&] { run(operation, hill(5), std::move(parameters)); });
 }
 
 std::size_t faces(const Response& made) { return made.report["output"]["faces"]; }
-
-bool warned(const Response& made, std::string_view code) {
-  return std::any_of(made.warnings.begin(), made.warnings.end(), [&](const Warning& w) { return w.code == code; });
-}
 
 }  // namespace
 
@@ -93,10 +78,10 @@ TEST(SimplifyOperation, ANumberOfFaces) {
 }
 
 TEST(SimplifyOperation, ContradictionsAreRefusedBeforeAnythingIsRead) {
-  EXPECT_EQ(refusal("simplify", {}).code, "missing-parameter");
-  EXPECT_EQ(refusal("simplify", {{"coplanar-only", "true"}, {"max-error", "1"}}).code, "surplus-parameter");
-  EXPECT_EQ(refusal("simplify", {{"max-error", "-1"}}).kind, ErrorKind::usage);
-  EXPECT_EQ(refusal("simplify", {{"max-triangles", "0"}}).kind, ErrorKind::usage);
+  EXPECT_EQ(refused("simplify", {}).code, "missing-parameter");
+  EXPECT_EQ(refused("simplify", {{"coplanar-only", "true"}, {"max-error", "1"}}).code, "surplus-parameter");
+  EXPECT_EQ(refused("simplify", {{"max-error", "-1"}}).kind, ErrorKind::usage);
+  EXPECT_EQ(refused("simplify", {{"max-triangles", "0"}}).kind, ErrorKind::usage);
 }
 
 TEST(ContourOperation, LinesWithTheirLevels) {
@@ -127,10 +112,10 @@ TEST(ContourOperation, LevelsInAnyOrder) {
 }
 
 TEST(ContourOperation, BadParametersAreRefused) {
-  EXPECT_EQ(refusal("contour", {}).code, "missing-parameter");
-  EXPECT_EQ(refusal("contour", {{"interval", "1"}, {"levels", "3"}}).code, "surplus-parameter");
-  EXPECT_EQ(refusal("contour", {{"interval", "0"}}).code, "bad-parameter");
-  EXPECT_EQ(refusal("contour", {{"levels", "high"}}).kind, ErrorKind::usage);
-  EXPECT_EQ(refusal("contour", {{"interval", "1e-9"}}).code, "too-many-levels");
+  EXPECT_EQ(refused("contour", {}).code, "missing-parameter");
+  EXPECT_EQ(refused("contour", {{"interval", "1"}, {"levels", "3"}}).code, "surplus-parameter");
+  EXPECT_EQ(refused("contour", {{"interval", "0"}}).code, "bad-parameter");
+  EXPECT_EQ(refused("contour", {{"levels", "high"}}).kind, ErrorKind::usage);
+  EXPECT_EQ(refused("contour", {{"interval", "1e-9"}}).code, "too-many-levels");
   EXPECT_TRUE(warned(run("contour", hill(5), {{"levels", "50"}}), "no-contours"));
 }

@@ -3,63 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <sstream>
 
-#include "core/error.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
+#include "unit/ops/requests.hpp"
 
 // rasterize, render, profile and sample through the door that all of them share.
 using namespace terrane;
 
 namespace {
-
-/// A square of two faces on the plane z = height + slope * x.
-std::string square(double x, double y, double size, double height, double slope, const std::string& crs) {
-  nlohmann::json tin = {{"type", "TIN"}, {"triangles", {{0, 1, 2}, {0, 2, 3}}}};
-  for (auto [u, v] : {std::pair{x, y}, {x + size, y}, {x + size, y + size}, {x, y + size}})
-    tin["vertices"].push_back({u, v, height + slope * (u - x)});
-  if (!crs.empty()) tin["crs"] = crs;
-  return tin.dump();
-}
-
-struct Case {
-  std::string operation;
-  std::vector<InputPart> inputs;
-  std::vector<std::pair<std::string, std::string>> parameters = {};
-  std::string format = {};
-};
-
-Response run(const Case& c, int threads = 1) {
-  Request request;
-  request.operation = c.operation;
-  request.inputs = c.inputs;
-  request.parameters = c.parameters;
-  request.format = c.format;
-  Context context;
-  context.threads = threads;
-  return execute(plan(request), context);
-}
-
-Error refusal(const Case& c) {
-  try {
-    run(c);
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << c.operation << " was not refused";
-  return {ErrorKind::internal, "not-refused", ""};
-}
-
-InputPart part(std::string slot, std::string bytes, std::string name = "") {
-  if (name.empty()) name = slot + ".json";
-  return {std::move(slot), std::move(name), "", std::move(bytes)};
-}
-
-bool warned(const Response& r, std::string_view code) {
-  return std::any_of(r.warnings.begin(), r.warnings.end(), [&](const Warning& w) { return w.code == code; });
-}
 
 const std::string utm = "EPSG:25831";
 const std::string ramp = square(470000, 4380000, 100, 10, 0.1, utm);
@@ -381,7 +332,7 @@ TEST(Sample, AgreesWithRasterizeAndWithAnyNumberOfThreads) {
       const Point2 p = g.raster.place(i, j);
       points += nlohmann::json(p.x).dump() + "," + nlohmann::json(p.y).dump() + "\n";
     }
-  const Case c{"sample", {{"surface", "a.asc", "", dem}}, {{"assume-crs", utm}, {"points", points}}};
+  const Request c{"sample", {{"surface", "a.asc", "", dem}}, {{"assume-crs", utm}, {"points", points}}};
   const Response r = run(c);
   EXPECT_EQ(r.body, run(c, 3).body);
   const auto rows = table(r.body);

@@ -6,31 +6,18 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.hpp"
 #include "io/vectors.hpp"
-#include "ops/operation.hpp"
-#include "ops/request.hpp"
 #include "ops/volume_regions.hpp"
+#include "unit/ops/requests.hpp"
 
 using namespace terrane;
 
 namespace {
 
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
 /// n x n cells of 10 m from (500000, 4600000), heights by a function of the cell's corner.
 template <class Height>
 std::string grid(int n, Height height, const std::string& crs = "EPSG:25831") {
-  nlohmann::json tin = {{"type", "TIN"}, {"crs", crs}};
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) tin["vertices"].push_back({500000 + 10.0 * i, 4600000 + 10.0 * j, height(i, j)});
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int sw = j * (n + 1) + i, nw = sw + n + 1;
-      tin["triangles"].push_back({sw, sw + 1, nw + 1});
-      tin["triangles"].push_back({sw, nw + 1, nw});
-    }
-  return tin.dump();
+  return lattice(n, 500000, 4600000, 10, height, crs);
 }
 
 std::string hills(int n) {
@@ -51,20 +38,12 @@ Response run(const std::string& surface, const std::string& reference, Parameter
   }
   request.parameters = std::move(parameters);
   request.format = format;
-  Context context;
-  context.threads = 2;
-  return execute(plan(std::move(request)), context);
+  return terrane::run(std::move(request), 2);
 }
 
 Error refusal(const std::string& surface, const std::string& reference, Parameters parameters,
               const std::string& format = "") {
-  try {
-    run(surface, reference, std::move(parameters), format);
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "not refused";
-  return {ErrorKind::internal, "not-refused", ""};
+  return refusal_of([&] { run(surface, reference, std::move(parameters), format); });
 }
 
 const Warning* warning(const Response& r, std::string_view code) {

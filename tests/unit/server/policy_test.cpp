@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
-#include "server/conditional.hpp"
+#include "server/http/conditional.hpp"
 #include "server/http/header_fields.hpp"
 #include "unit/server/replies.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/http/routes.hpp"
+#include "server/routes.hpp"
 
 #include <httplib.h>
 

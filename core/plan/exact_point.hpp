@@ -3,7 +3,7 @@
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 
-#include "core/rounding/rounding.hpp"
+#include "core/plan/exact_place.hpp"
 
 // Exact positions as numbers. Includes CGAL's heavy headers: for .cpp files of the core only.
 namespace terrane {

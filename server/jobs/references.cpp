@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/requests/references.hpp"
+#include "server/jobs/references.hpp"
 
 #include <unistd.h>
 

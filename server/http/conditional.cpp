@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/conditional.hpp"
+#include "server/http/conditional.hpp"
 
 #include <algorithm>
 #include <charconv>

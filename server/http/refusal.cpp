@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/refusal.hpp"
+#include "server/http/refusal.hpp"
 
 #include "server/http/message.hpp"
 #include "server/request_log.hpp"

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "ops/json_value.hpp"
+#include "server/jobs/status_info.hpp"
 #include "server/pages/html.hpp"
 #include "server/pages/pages.hpp"
 #include "server/service.hpp"

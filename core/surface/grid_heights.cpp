@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/rounding/grid_heights.hpp"
+#include "core/surface/grid_heights.hpp"
 
 #include <algorithm>
 #include <cmath>
