@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ops/json_value.hpp"
 #include "server/http/open_file.hpp"
 #include "server/jobs/jobs.hpp"
 #include "server/jobs/status_info.hpp"
@@ -101,11 +102,11 @@ Answer Callbacks::tell_beginning(const Job& job) const {
   then.progress = 0;
   then.updated = job.started.value_or(job.updated);
   then.finished = then.expires = std::nullopt;
-  return post(job, "inProgressUri", "application/json", status_info(then, base_of(data_, job)).dump());
+  return post(job, "inProgressUri", "application/json", json_text(status_info(then, base_of(data_, job))));
 }
 
 Answer Callbacks::tell_end(const Job& job) const {
-  const std::string status = status_info(job, base_of(data_, job)).dump();
+  const std::string status = json_text(status_info(job, base_of(data_, job)));
   if (job.status != JobStatus::successful) return post(job, "failedUri", "application/json", status);
   const nlohmann::json& reply = job.outcome.at("reply");
   if (const std::string file = reply.value("file", ""); !file.empty()) {

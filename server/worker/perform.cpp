@@ -318,7 +318,7 @@ nlohmann::json perform(const fs::path& folder, Context& context, const Resolve& 
   nlohmann::json outcome = {
       {"outputs", outputs}, {"warnings", response.warnings.size()}, {"references", what.has_references()}};
   outcome["reply"] = Answer(what, out, outputs).reply();
-  write_file(out / "outcome.json", outcome.dump());
+  write_file(out / "outcome.json", json_text(outcome));
   return outcome;
 }
 
