@@ -24,6 +24,7 @@ class Memory(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         service = Service()
+        wait_for(service, submit(service).json()["jobID"])  # by then the maker of workers has loaded all it will
         (maker,), _ = workers_of(service)
         with open(f"/proc/{maker}/status", encoding="ascii") as status:
             cls.program = int(re.search(r"VmSize:\s+(\d+)", status.read())[1]) * 1024
