@@ -219,6 +219,22 @@ TEST(Execute, FeetBecomeMetresInLocalFrames) {
   EXPECT_NEAR(nlohmann::json::parse(r.body)["vertices"][0][2].get<double>(), 1 - 3.048, 1e-12);
 }
 
+TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
+  nlohmann::json skirted = nlohmann::json::parse(square(0, 0, 10, 5, 0, ""));
+  skirted["vertices"].push_back({0, 0, -3});
+  skirted["vertices"].push_back({10, 0, -3});
+  skirted["triangles"].push_back({1, 0, 4});
+  skirted["triangles"].push_back({1, 4, 5});
+  const InputPart surface = part("surface", skirted.dump());
+  const Case cases[] = {{"clip", {surface}, {{"bbox", "2,-1,8,5"}}}, {"simplify", {surface}, {{"max-error", "0"}}}};
+  for (const Case& c : cases) {
+    const Response r = run(c);
+    EXPECT_GT(r.report["output"]["walls"], 0);
+    EXPECT_EQ(r.report["accuracy"]["max_height_error"], 0) << c.operation;
+    EXPECT_FALSE(warned(r, "height-check")) << c.operation;
+  }
+}
+
 TEST(Execute, EmptyAndApart) {
   const std::string empty = R"({"type":"TIN","crs":"EPSG:25831","vertices":[],"triangles":[]})";
   EXPECT_EQ(run({"merge", {part("tiles", empty), part("tiles", a)}}).report["output"]["faces"], 2);
