@@ -69,6 +69,7 @@ struct Surface {
   std::string word = {};  // the slot's word was given instead of a surface; the value is then a level without meaning
   /// When provenance is asked for: a TIN with the faces in the order of its file, of a raster the TIN made of it.
   std::shared_ptr<const Tin> given = {};
+  std::string height_unit = {};  // what a raster says its heights are in, as Dataset has it; empty in `run`
   std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }

@@ -8,6 +8,7 @@
 #include "ops/operation.hpp"
 #include "ops/request.hpp"
 #include "ops/sha256.hpp"
+#include "unit/io/tiff.hpp"
 
 using namespace terrane;
 
@@ -217,6 +218,27 @@ TEST(Execute, FeetBecomeMetresInLocalFrames) {
   EXPECT_TRUE(warned(r, "heights-converted"));
   EXPECT_NEAR(r.report["output"]["area_2d"].get<double>(), 30.48 * 30.48, 1e-9);
   EXPECT_NEAR(nlohmann::json::parse(r.body)["vertices"][0][2].get<double>(), 1 - 3.048, 1e-12);
+}
+
+TEST(Execute, TheUnitARasterSaysHoldsUnderEveryCrs) {
+  const TiffTag feet =
+      text("<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item></GDALMetadata>");
+  const std::string located = tiff(2, 2, {10, 10, 10, 10}, {{42112, feet}});
+  const std::string nowhere = tiff(2, 2, {10, 10, 10, 10}, {{42112, feet}, {34735, shorts({})}});
+  const auto height = [](const std::string& bytes, std::vector<std::pair<std::string, std::string>> parameters,
+                         bool converted) {
+    const Response r = run({"convert", {part("surface", bytes, "dem.tif")}, std::move(parameters)});
+    EXPECT_EQ(warned(r, "heights-converted"), converted);
+    return nlohmann::json::parse(r.body)["vertices"][0][2].get<double>();
+  };
+  EXPECT_DOUBLE_EQ(height(located, {}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(located, {{"crs", "EPSG:2263"}}, true), 10 * 0.3048 * 3937 / 1200);
+  EXPECT_DOUBLE_EQ(height(located, {{"crs", "local:ft"}}, false), 10);
+  EXPECT_DOUBLE_EQ(height(nowhere, {}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(nowhere, {{"assume-crs", "EPSG:25831"}}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(nowhere, {{"assume-crs", "local:ft"}}, false), 10);
+  const Response info = run({"info", {part("surface", nowhere, "dem.tif")}});
+  EXPECT_EQ(nlohmann::json::parse(info.body)["raster"]["height_range"][0], 10 * 0.3048);
 }
 
 TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
