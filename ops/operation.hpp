@@ -40,6 +40,7 @@ struct Parameter {
   std::string unit;
   std::string sentence;
   nlohmann::json schema = nullptr;  // of Type::json
+  bool corners_alone = false;  // of Type::vectors: lines and polygons stand for their corners, each a point by itself
 };
 
 struct InputSlot {
