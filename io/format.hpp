@@ -23,6 +23,8 @@ namespace terrane {
 struct Dataset {
   std::variant<Tin, Raster, PointCloud> surface;
   Crs crs;
+  /// "m", "ft" or "ftUS": what a raster says itself of its heights, where its CRS says otherwise or nothing.
+  std::string height_unit = {};
 };
 
 struct ReadOptions {

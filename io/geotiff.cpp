@@ -46,7 +46,7 @@ class TiffReader {
     read_samples(raster);
     Dataset out;
     out.crs = read_crs();
-    convert_heights(raster, out.crs);
+    out.height_unit = read_height_unit(out.crs);
     turn_north_up(raster);
     check_raster(options_, raster);
     out.surface = std::move(raster);
@@ -65,7 +65,7 @@ class TiffReader {
   void read_mask(Raster& raster, int first, int rows);
   void apply_no_data(Raster& raster, int first, int rows);
   Crs read_crs();
-  void convert_heights(Raster& raster, const Crs& crs);
+  std::string read_height_unit(const Crs& crs) const;
   void turn_north_up(Raster& raster) const;
 
   std::string_view bytes_;
@@ -206,29 +206,21 @@ Crs TiffReader::read_crs() {
   return declared_crs(wkt, options_, context_);
 }
 
-/// A band may say its own unit; where it contradicts the CRS the heights are converted.
-void TiffReader::convert_heights(Raster& raster, const Crs& crs) {
-  const std::string unit = lower(band_->GetUnitType() ? band_->GetUnitType() : "");
-  constexpr std::pair<const char*, double> units[] = {{"m", 1},
-                                                      {"metre", 1},
-                                                      {"meter", 1},
-                                                      {"metres", 1},
-                                                      {"meters", 1},
-                                                      {"ft", 0.3048},
-                                                      {"foot", 0.3048},
-                                                      {"feet", 0.3048},
-                                                      {"ftus", 1200.0 / 3937},
-                                                      {"us survey foot", 1200.0 / 3937},
-                                                      {"us_survey_foot", 1200.0 / 3937},
-                                                      {"ft us", 1200.0 / 3937}};
-  for (const auto& [name, metres] : units) {
-    if (unit != name || !crs.known() || std::fabs(metres / crs.metres_per_height_unit() - 1) < 1e-9) continue;
-    for (double& z : raster.samples) z = z * metres / crs.metres_per_height_unit();
-    context_.warn({"heights-converted", options_.name, "",
-                   "the raster says its heights are in " + one_line(band_->GetUnitType()) +
-                       "; they were converted to " + crs.height_unit(),
-                   "correct the unit in the file if this is wrong"});
-  }
+/// A band may say its own unit. Where that is the unit of the CRS it says no more: `crs` overrules both.
+std::string TiffReader::read_height_unit(const Crs& crs) const {
+  const std::string said = band_->GetUnitType() ? band_->GetUnitType() : "", word = lower(said);
+  constexpr std::pair<const char*, const char*> units[] = {
+      {"m", "m"},        {"metre", "m"},       {"meter", "m"},      {"metres", "m"},           {"meters", "m"},
+      {"ft", "ft"},      {"foot", "ft"},       {"feet", "ft"},      {"ftus", "ftUS"},          {"ft us", "ftUS"},
+      {"us-ft", "ftUS"}, {"foot_us", "ftUS"},  {"us survey foot", "ftUS"}, {"us_survey_foot", "ftUS"}};
+  for (const auto& [name, unit] : units)
+    if (word == name) return crs.known() && crs.height_unit() == unit ? "" : unit;
+  if (!word.empty() && word != "unknown")
+    context_.warn({"unknown-unit", options_.name, "",
+                   "the raster says its heights are in '" + one_line(said) +
+                       "', which is no unit that is known here; they were taken as they are",
+                   "bring them to the unit of the CRS if they are not in it"});
+  return "";
 }
 
 void TiffReader::turn_north_up(Raster& raster) const {

@@ -83,6 +83,19 @@ void check_height(const Point& p, const HeightFields& fields, const HeightFold& 
   ++check.points;
 }
 
+/// Per vertex, whether a face has it that is no wall: what skirts and parapets reach is no height of the surface. Of a
+/// TIN without walls empty; in canonical order the two vertices at one place that a wall has follow each other.
+std::vector<bool> on_ground(const Tin& tin) {
+  const auto& v = tin.vertices;
+  const auto above = [](const Point& p, const Point& q) { return plan(p) == plan(q); };
+  if (std::adjacent_find(v.begin(), v.end(), above) == v.end()) return {};
+  std::vector<bool> ground(v.size());
+  for (const Face& f : tin.faces)
+    if (!is_wall(tin, f))
+      for (const Index corner : f) ground[corner] = true;
+  return ground;
+}
+
 }  // namespace
 
 HeightCheck check_heights(const Tin& result, const HeightFields& fields, const HeightFold& fold,
@@ -93,9 +106,11 @@ HeightCheck check_heights(const Tin& result, const HeightFields& fields, const H
   const double largest = std::max({std::fabs(box.xmin), std::fabs(box.xmax), std::fabs(box.ymin), std::fabs(box.ymax)});
   const double radius = 2 * (rounding.max_move + rounding.max_snap) + 4 * 2.3e-16 * largest;
   const std::size_t step = std::max<std::size_t>(1, result.vertices.size() / 5000), chunk = 512 * step;
+  const std::vector<bool> ground = on_ground(result);
   std::vector<HeightCheck> checks(result.vertices.size() / chunk + 1);
   parallel_for(context, result.vertices.size(), chunk, [&](std::size_t first, std::size_t last) {
-    for (std::size_t v = first; v < last; v += step) check_height(result.vertices[v], fields, fold, radius, checks[first / chunk]);
+    for (std::size_t v = first; v < last; v += step)
+      if (ground.empty() || ground[v]) check_height(result.vertices[v], fields, fold, radius, checks[first / chunk]);
   });
   HeightCheck all;
   for (const HeightCheck& check : checks) {

@@ -25,25 +25,6 @@
 namespace terrane {
 namespace {
 
-/// What a raster was, for `info`.
-nlohmann::json raster_facts(const Raster& dem) {
-  std::size_t voids = 0;
-  double low = INFINITY, high = -INFINITY;
-  for (double z : dem.samples)
-    if (std::isnan(z))
-      ++voids;
-    else
-      low = std::min(low, z), high = std::max(high, z);
-  nlohmann::json range;
-  if (low <= high) range = {low, high};
-  return {{"width", dem.width},
-          {"height", dem.height},
-          {"cell_size", {dem.dx, dem.dy}},
-          {"north_west_sample", {dem.x0, dem.y0}},
-          {"voids", voids},
-          {"height_range", range}};
-}
-
 /// What an input holds, and the sum of its bytes, which is made while they pass when they are not held.
 Dataset read_part(const InputPart& part, const ReadOptions& options, std::string& sum, Context& context) {
   const Format& format = input_format(part);
@@ -92,12 +73,12 @@ Surface decode(const InputPart& part, const InputSlot& slot, const Plan& plan, C
   }
   Dataset data = read_part(part, read_options(surface.name, plan.parameters), surface.sha256, context);
   surface.crs = data.crs;
+  surface.height_unit = data.height_unit;
   if (slot.lattice && !std::holds_alternative<Raster>(data.surface))
     throw Error(ErrorKind::input, "not-a-raster",
                 "input '" + surface.name + "' is a TIN; '" + slot.name + "' takes a raster, whose cells are copied");
   if (Raster* dem = std::get_if<Raster>(&data.surface)) {
     if (slot.lattice) dem->samples = {};
-    if (operation.result == ResultKind::report) surface.source = raster_facts(*dem);
     surface.value = std::move(*dem);
   } else if (PointCloud* cloud = std::get_if<PointCloud>(&data.surface)) {
     if (!operation.intake.points_allowed)

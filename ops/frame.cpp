@@ -29,6 +29,36 @@ namespace {
                   "', or shift it to the range of the other inputs");
 }
 
+/// What a raster was, for `info`.
+nlohmann::json raster_facts(const Raster& dem) {
+  std::size_t voids = 0;
+  double low = INFINITY, high = -INFINITY;
+  for (double z : dem.samples)
+    if (std::isnan(z))
+      ++voids;
+    else
+      low = std::min(low, z), high = std::max(high, z);
+  nlohmann::json range;
+  if (low <= high) range = {low, high};
+  return {{"width", dem.width},
+          {"height", dem.height},
+          {"cell_size", {dem.dx, dem.dy}},
+          {"north_west_sample", {dem.x0, dem.y0}},
+          {"voids", voids},
+          {"height_range", range}};
+}
+
+/// What a raster says of its own heights holds where its CRS says otherwise.
+void convert_heights(Raster& dem, const Surface& s, Context& context) {
+  const double factor = Length{1, s.height_unit}.in(s.crs.metres_per_height_unit());
+  if (dem.samples.empty() || std::fabs(factor - 1) < 1e-9) return;
+  for (double& z : dem.samples) z *= factor;
+  context.warn({"heights-converted", s.name, "",
+                "the raster says its heights are in " + s.height_unit + "; they were converted to " +
+                    s.crs.height_unit(),
+                "correct the unit in the file, or give the CRS with assume-crs, if this is wrong"});
+}
+
 /// Whole tiles of geographic CRSs beside each other, however their longitudes are counted.
 void unwrap(std::vector<Surface>& surfaces) {
   std::vector<Surface*> tiles;
@@ -240,6 +270,11 @@ std::vector<Surface> take_lattices(std::vector<Surface>& surfaces, const Operati
 Frame common_frame(std::vector<Surface>& surfaces, const Plan& plan, Context& context) {
   const Operation& operation = *plan.operation;
   assign_crs(surfaces, plan);
+  for (Surface& s : surfaces)
+    if (Raster* dem = std::get_if<Raster>(&s.value)) {
+      convert_heights(*dem, s, context);
+      if (operation.result == ResultKind::report) s.source = raster_facts(*dem);
+    }
   Frame frame;
   frame.crs = choose_crs(surfaces, plan, context);
   for (Surface& s : surfaces)

@@ -20,7 +20,7 @@ struct SampleParameters {
   std::string points_crs;
 
   void visit(Fields& f) {
-    f.vectors(
+    f.points(
         "points", points,
         "The points: a file (a table with a line of names, too), WKT, or x,y;x,y. Of lines and polygons the corners are "
         "taken. Their properties stay.");
@@ -51,13 +51,11 @@ struct Samples {
 Samples samples_of(Vectors points) {
   Samples s;
   for (Feature& feature : points.features) {
-    Vectors one;
-    one.features.push_back(std::move(feature));
-    for (const Point& p : one.points()) {
+    for (const Point& p : feature.points) {
       s.places.push_back({s.features.size(), p});
       s.given_heights = s.given_heights || !std::isnan(p.z);
     }
-    s.features.push_back({std::move(one.features.front().properties)});
+    s.features.push_back({std::move(feature.properties)});
   }
   return s;
 }

@@ -40,6 +40,7 @@ struct Parameter {
   std::string unit;
   std::string sentence;
   nlohmann::json schema = nullptr;  // of Type::json
+  bool corners_alone = false;  // of Type::vectors: lines and polygons stand for their corners, each a point by itself
 };
 
 struct InputSlot {
@@ -69,6 +70,7 @@ struct Surface {
   std::string word = {};  // the slot's word was given instead of a surface; the value is then a level without meaning
   /// When provenance is asked for: a TIN with the faces in the order of its file, of a raster the TIN made of it.
   std::shared_ptr<const Tin> given = {};
+  std::string height_unit = {};  // what a raster says its heights are in, as Dataset has it; empty in `run`
   std::string level_unit = {};  // of a level, "m", "ft", "ftUS"; empty in `run`: it is in height units of the CRS
 
   bool level() const { return std::holds_alternative<double>(value); }

@@ -273,6 +273,11 @@ void Fields::vectors(const char* name, std::optional<Vectors>& field, const char
   if (vectors_) field = vectors_->at(name);
 }
 
+void Fields::points(const char* name, std::optional<Vectors>& field, const char* sentence) {
+  vectors(name, field, sentence);
+  if (described_) described_->back().corners_alone = true;
+}
+
 void Fields::json(const char* name, nlohmann::json& field, const nlohmann::json& schema, const char* sentence) {
   if (described_)
     describe({name, Parameter::Type::json, nullptr, {}, {}, {}, "", sentence, schema});

@@ -57,6 +57,8 @@ class Fields {
   void numbers(const char* name, std::vector<double>& field, const char* sentence);
   /// Given for a check of parameters, the field is only known to be empty or not.
   void vectors(const char* name, std::optional<Vectors>& field, const char* sentence);
+  /// Vectors of which the corners alone are asked for.
+  void points(const char* name, std::optional<Vectors>& field, const char* sentence);
   void json(const char* name, nlohmann::json& field, const nlohmann::json& schema, const char* sentence);
 
   template <class E>

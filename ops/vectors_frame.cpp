@@ -187,6 +187,19 @@ Box box_of_all(const std::vector<Surface>& surfaces) {
   return box;
 }
 
+bool corners_alone(const Operation& operation, const std::string& name) {
+  return std::any_of(operation.parameters.begin(), operation.parameters.end(),
+                     [&](const Parameter& p) { return p.name == name && p.corners_alone; });
+}
+
+void take_corners(Vectors& vectors) {
+  for (Feature& feature : vectors.features) {
+    Vectors one;
+    one.features.push_back(std::move(feature));
+    feature = {std::move(one.features.front().properties), one.points()};
+  }
+}
+
 /// In longitudes 181 is -179.
 void lay_over(Vectors& vectors, const std::vector<Surface>& surfaces) {
   const Box box = box_of_all(surfaces);
@@ -241,6 +254,7 @@ std::map<std::string, Vectors> vectors_in_frame(const Plan& plan, const std::vec
   std::map<std::string, Vectors> all;
   for (const auto& [name, bytes] : plan.vectors) {
     Vectors vectors = read_vectors(bytes, "parameter '" + name + "'", context);
+    if (corners_alone(*plan.operation, name)) take_corners(vectors);
     const Crs from = source_of(vectors, name, plan, frame);
     if (from.known() && !from.local() && !(frame.known() && !frame.local()))
       refuse(name, "missing-crs",

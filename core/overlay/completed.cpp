@@ -158,11 +158,11 @@ bool add_ghosts(CompletedMesh& mesh, const std::vector<Index>& border, const Box
 /// False when the border does not bound.
 bool link(const Tin& tin, const Box& box, const std::vector<Point2>* moved, Search search, CompletedMesh& mesh) {
   mesh = {};
-  std::vector<Index> border = add_real_faces(tin, number_places(tin, moved, {}, search, mesh), mesh);
-  if (!mesh.face_in_tin.empty()) {  // a free-standing wall may have vertices to itself, which are no places in plan
-    std::vector<bool> used(tin.vertices.size(), false);
-    for (const Index f : mesh.face_in_tin)
-      for (const Index v : tin.faces[f]) used[v] = true;
+  const std::vector<Index> place_of = number_places(tin, moved, {}, search, mesh);
+  std::vector<Index> border = add_real_faces(tin, place_of, mesh);
+  if (!mesh.face_in_tin.empty()) {  // a free-standing wall may stand where no face has a corner: no place of the mesh
+    std::vector<bool> used(tin.vertices.size());
+    for (std::size_t v = 0; v < used.size(); ++v) used[v] = mesh.out[place_of[v]] != none;
     if (!std::all_of(used.begin(), used.end(), [](bool u) { return u; })) {
       mesh = {};
       border = add_real_faces(tin, number_places(tin, moved, used, search, mesh), mesh);

@@ -40,6 +40,34 @@ TEST(Combine, SumOnTheOverlapAndTheLoneSurfaceOutside) {
   EXPECT_DOUBLE_EQ(z({2.5, 1.3}), 4.5);
 }
 
+/// A surface with a wall along its southern side whose other edge, at the height z, no face but the wall has.
+Tin with_skirt(Tin tin, double z) {
+  const Index first = static_cast<Index>(tin.vertices.size());
+  Index west = 0, east = 0;
+  for (Index v = 0; v < first; ++v) {
+    const Point p = tin.vertices[v];
+    if (p.y != 0) continue;
+    if (p.x < tin.vertices[west].x || tin.vertices[west].y != 0) west = v;
+    if (p.x > tin.vertices[east].x || tin.vertices[east].y != 0) east = v;
+  }
+  for (const Index v : {west, east}) tin.vertices.push_back({tin.vertices[v].x, tin.vertices[v].y, z});
+  tin.faces.push_back({east, west, first});
+  tin.faces.push_back({east, first, first + 1});
+  return tin;
+}
+
+TEST(Combine, SkirtsAndParapetsLeaveTheHeightsAlone) {
+  const Tin plane = drawn("14\n14", 1);
+  const Tin sum = combined(plane, low, 1, Outside::drop).tin;
+  for (const double z : {-5.0, 9.0}) {
+    const Tin skirted = with_skirt(plane, z);
+    for (const Tin& a : {skirted, canonical(skirted)}) {
+      const Sampler got(combined(a, low, 1, Outside::drop).tin), want(sum);
+      for (const Point2 p : {Point2{0.1, 0.05}, {0.5, 0.01}, {0.9, 0.2}, {0.3, 0.8}}) EXPECT_EQ(got(p), want(p));
+    }
+  }
+}
+
 TEST(Combine, WallsStandAroundTheOverlap) {
   // At x = 1: from 1 to 4 over two units; at x = 2: from 5 down to 4.
   EXPECT_DOUBLE_EQ(combined(low, high, 1, Outside::keep).wall_area, 2 * 3 + 2 * 1);

@@ -68,14 +68,24 @@ TEST(GeoTiff, ScaleAndOffsetApply) {
   expect_samples(read_raster("tif", tiff(3, 2, six, {{42112, text(metadata)}})), {100.5, 101, 101.5, 102, 102.5, 103});
 }
 
-TEST(GeoTiff, HeightsInAnotherUnitAreConvertedAloud) {
-  const std::string metadata =
-      "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item></GDALMetadata>";
+TEST(GeoTiff, TheUnitOfHeightsIsToldWhereTheCrsSaysAnother) {
+  const auto unit = [](const std::string& said, bool located, Context& context) {
+    std::map<std::uint16_t, TiffTag> changes = {
+        {42112, text("<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" + said +
+                     "</Item></GDALMetadata>")}};
+    if (!located) changes[34735] = shorts({});
+    return read("tif", tiff(3, 2, six, changes), context).height_unit;
+  };
   Context context;
-  const Dataset data = read("tif", tiff(3, 2, six, {{42112, text(metadata)}}), context);
-  EXPECT_DOUBLE_EQ(std::get<Raster>(data.surface).samples[1], 2 * 0.3048);
+  EXPECT_EQ(unit("ft", true, context), "ft");
+  EXPECT_EQ(unit("US survey foot", true, context), "ftUS");
+  EXPECT_EQ(unit("metre", true, context), "");
+  EXPECT_EQ(unit("metre", false, context), "m");
+  EXPECT_EQ(unit("ft", false, context), "ft");
+  EXPECT_TRUE(context.warnings.empty());
+  EXPECT_EQ(unit("fathom", true, context), "");
   ASSERT_EQ(context.warnings.size(), 1u);
-  EXPECT_EQ(context.warnings[0].code, "heights-converted");
+  EXPECT_EQ(context.warnings[0].code, "unknown-unit");
 }
 
 TEST(GeoTiff, CompoundCrsSurvives) {

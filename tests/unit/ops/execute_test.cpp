@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ops/sha256.hpp"
+#include "unit/io/tiff.hpp"
 #include "unit/ops/requests.hpp"
 
 using namespace terrane;
@@ -170,6 +171,43 @@ TEST(Execute, FeetBecomeMetresInLocalFrames) {
   EXPECT_TRUE(warned(r, "heights-converted"));
   EXPECT_NEAR(r.report["output"]["area_2d"].get<double>(), 30.48 * 30.48, 1e-9);
   EXPECT_NEAR(nlohmann::json::parse(r.body)["vertices"][0][2].get<double>(), 1 - 3.048, 1e-12);
+}
+
+TEST(Execute, TheUnitARasterSaysHoldsUnderEveryCrs) {
+  const TiffTag feet =
+      text("<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item></GDALMetadata>");
+  const std::string located = tiff(2, 2, {10, 10, 10, 10}, {{42112, feet}});
+  const std::string nowhere = tiff(2, 2, {10, 10, 10, 10}, {{42112, feet}, {34735, shorts({})}});
+  const auto height = [](const std::string& bytes, std::vector<std::pair<std::string, std::string>> parameters,
+                         bool converted) {
+    const Response r = run({"convert", {part("surface", bytes, "dem.tif")}, std::move(parameters)});
+    EXPECT_EQ(warned(r, "heights-converted"), converted);
+    return nlohmann::json::parse(r.body)["vertices"][0][2].get<double>();
+  };
+  EXPECT_DOUBLE_EQ(height(located, {}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(located, {{"crs", "EPSG:2263"}}, true), 10 * 0.3048 * 3937 / 1200);
+  EXPECT_DOUBLE_EQ(height(located, {{"crs", "local:ft"}}, false), 10);
+  EXPECT_DOUBLE_EQ(height(nowhere, {}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(nowhere, {{"assume-crs", "EPSG:25831"}}, true), 3.048);
+  EXPECT_DOUBLE_EQ(height(nowhere, {{"assume-crs", "local:ft"}}, false), 10);
+  const Response info = run({"info", {part("surface", nowhere, "dem.tif")}});
+  EXPECT_EQ(nlohmann::json::parse(info.body)["raster"]["height_range"][0], 10 * 0.3048);
+}
+
+TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
+  nlohmann::json skirted = nlohmann::json::parse(square(0, 0, 10, 5, 0, ""));
+  skirted["vertices"].push_back({0, 0, -3});
+  skirted["vertices"].push_back({10, 0, -3});
+  skirted["triangles"].push_back({1, 0, 4});
+  skirted["triangles"].push_back({1, 4, 5});
+  const InputPart surface = part("surface", skirted.dump());
+  const Case cases[] = {{"clip", {surface}, {{"bbox", "2,-1,8,5"}}}, {"simplify", {surface}, {{"max-error", "0"}}}};
+  for (const Case& c : cases) {
+    const Response r = run(c);
+    EXPECT_GT(r.report["output"]["walls"], 0);
+    EXPECT_EQ(r.report["accuracy"]["max_height_error"], 0) << c.operation;
+    EXPECT_FALSE(warned(r, "height-check")) << c.operation;
+  }
 }
 
 TEST(Execute, EmptyAndApart) {

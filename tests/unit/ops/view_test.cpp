@@ -291,6 +291,19 @@ TEST(Sample, HeightsAtPointsAndNothingOutside) {
   EXPECT_EQ(rows[3][2], "");
 }
 
+TEST(Sample, PointsAreLaidOverTheSurfaceEachByItself) {
+  const std::string across = square(179, 10, 2, 0, 10, "EPSG:4326");
+  for (const char* points : {"-179.5,11;179.5,11;180.5,11", "LINESTRING(-179.5 11,179.5 11,180.5 11)"}) {
+    const Response r = run({"sample", {part("surface", across)}, {{"points", points}}});
+    const auto rows = table(r.body);
+    ASSERT_EQ(rows.size(), 4u);
+    EXPECT_EQ(rows[1], (std::vector<std::string>{"180.5", "11", "15"}));
+    EXPECT_EQ(rows[2], (std::vector<std::string>{"179.5", "11", "5"}));
+    EXPECT_EQ(rows[3], (std::vector<std::string>{"180.5", "11", "15"}));
+    EXPECT_FALSE(warned(r, "long-way-round"));
+  }
+}
+
 TEST(Sample, PropertiesStayAndHeightsThatCameAreKept) {
   const std::string points =
       R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:25831"}},"features":[)"
