@@ -37,6 +37,7 @@ class Reader {
   Reader(const std::string& name, Context& context) : name_(name), context_(context) {}
 
   Vectors wkt(std::string_view bytes) {
+    refuse_zero_bytes(bytes);
     const std::string text(trimmed(without_mark(bytes)));
     const char* at = text.c_str();
     OGRGeometry* made = nullptr;
@@ -52,6 +53,7 @@ class Reader {
 
   Vectors file(std::string_view bytes, const std::string& word) {
     if (word == "gpkg") refuse_programs(bytes);
+    if (word == "dxf") refuse_zero_bytes(bytes);
     const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".zip");
     if (word == "dxf") most_features_ = max_drawn;
     Vectors vectors;
@@ -64,6 +66,12 @@ class Reader {
  private:
   [[noreturn]] void bad(std::string code, const std::string& what) const {
     throw Error(ErrorKind::input, std::move(code), name_ + (element_.empty() ? "" : ", " + element_) + ": " + what);
+  }
+
+  /// GDAL waits for the rest of a line that holds one without end, and takes them for the end of other texts.
+  void refuse_zero_bytes(std::string_view text) const {
+    if (text.find('\0') != std::string_view::npos)
+      bad("binary", "it holds zero bytes, which text does not; export it as text, a DXF file as ASCII DXF");
   }
 
   /// A view is a program that runs when it is read, and need not end. Looked for before SQLite sees the file: opening

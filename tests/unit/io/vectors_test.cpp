@@ -148,6 +148,13 @@ TEST(Vectors, ADrawingHoldsLinesAtTheirLevel) {
   EXPECT_EQ(write_vectors(vectors, "dxf"), bytes);
 }
 
+TEST(Vectors, TextsHoldNoZeroBytes) {
+  std::string drawing = "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n90\n2\n70\n0\n10\n1";
+  drawing += std::string(64, '\xff') + std::string(16, '\0') + "\n10\n3\n20\n4\n0\nENDSEC\n";
+  EXPECT_NE(refusal(drawing).find("zero bytes"), std::string::npos);
+  EXPECT_NE(refusal(std::string("POINT (1 2)\0 POINT (3 4)", 25)).find("zero bytes"), std::string::npos);
+}
+
 TEST(Vectors, WhatIsBrokenIsRefusedWithItsPlace) {
   EXPECT_NE(refusal("{\"type\":\"Feature\""), "");
   EXPECT_NE(refusal(R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[2,2]]]})").find("does not end"),

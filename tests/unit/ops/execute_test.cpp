@@ -201,12 +201,12 @@ TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
   skirted["triangles"].push_back({1, 0, 4});
   skirted["triangles"].push_back({1, 4, 5});
   const InputPart surface = part("surface", skirted.dump());
-  const Case cases[] = {{"clip", {surface}, {{"bbox", "2,-1,8,5"}}}, {"simplify", {surface}, {{"max-error", "0"}}}};
-  for (const Case& c : cases) {
-    const Response r = run(c);
+  for (const Request& request : {Request{"clip", {surface}, {{"bbox", "2,-1,8,5"}}},
+                                 Request{"simplify", {surface}, {{"max-error", "0"}}}}) {
+    const Response r = run(request);
     EXPECT_GT(r.report["output"]["walls"], 0);
-    EXPECT_EQ(r.report["accuracy"]["max_height_error"], 0) << c.operation;
-    EXPECT_FALSE(warned(r, "height-check")) << c.operation;
+    EXPECT_EQ(r.report["accuracy"]["max_height_error"], 0) << request.operation;
+    EXPECT_FALSE(warned(r, "height-check")) << request.operation;
   }
 }
 
