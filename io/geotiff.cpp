@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cpl_conv.h>
+#include <ogr_spatialref.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <cpl_conv.h>
-#include <ogr_spatialref.h>
-
+#include "core/shortest.hpp"
 #include "io/bad_input.hpp"
 #include "io/format_list.hpp"
 #include "io/gdal.hpp"
@@ -44,6 +45,7 @@ class TiffReader {
     Raster raster;
     place(raster);
     read_samples(raster);
+    warn_of_voids(raster);
     Dataset out;
     out.crs = read_crs();
     out.height_unit = read_height_unit(out.crs);
@@ -64,6 +66,7 @@ class TiffReader {
   void read_samples(Raster& raster);
   void read_mask(Raster& raster, int first, int rows);
   void apply_no_data(Raster& raster, int first, int rows);
+  void warn_of_voids(const Raster& raster) const;
   Crs read_crs();
   std::string read_height_unit(const Crs& crs) const;
   void turn_north_up(Raster& raster) const;
@@ -185,6 +188,21 @@ void TiffReader::apply_no_data(Raster& raster, int first, int rows) {
   }
 }
 
+/// What programs write where they know no height, left undeclared, makes pits that no one means.
+void TiffReader::warn_of_voids(const Raster& raster) const {
+  double low = INFINITY;
+  for (const double z : raster.samples) low = z < low ? z : low;
+  constexpr double usual[] = {-9999, -99999, -32767, -32768, std::numeric_limits<float>::lowest()};
+  const double scale = band_->GetScale(), offset = band_->GetOffset();
+  const double* const raw =
+      std::find_if(std::begin(usual), std::end(usual), [&](double value) { return value * scale + offset == low; });
+  if (raw == std::end(usual)) return;
+  context_.warn({"undeclared-voids", options_.name, "",
+                 std::to_string(std::count(raster.samples.begin(), raster.samples.end(), low)) + " samples are " +
+                     shortest(*raw) + ", which mostly stands for voids; the file does not say so, and they are heights",
+                 "if they are voids, declare the value as NoData"});
+}
+
 void TiffReader::read_mask(Raster& raster, int first, int rows) {
   const std::size_t width = raster.width;
   std::vector<GByte> mask(width * rows);
@@ -209,10 +227,20 @@ Crs TiffReader::read_crs() {
 /// A band may say its own unit. Where that is the unit of the CRS it says no more: `crs` overrules both.
 std::string TiffReader::read_height_unit(const Crs& crs) const {
   const std::string said = band_->GetUnitType() ? band_->GetUnitType() : "", word = lower(said);
-  constexpr std::pair<const char*, const char*> units[] = {
-      {"m", "m"},        {"metre", "m"},       {"meter", "m"},      {"metres", "m"},           {"meters", "m"},
-      {"ft", "ft"},      {"foot", "ft"},       {"feet", "ft"},      {"ftus", "ftUS"},          {"ft us", "ftUS"},
-      {"us-ft", "ftUS"}, {"foot_us", "ftUS"},  {"us survey foot", "ftUS"}, {"us_survey_foot", "ftUS"}};
+  constexpr std::pair<const char*, const char*> units[] = {{"m", "m"},
+                                                           {"metre", "m"},
+                                                           {"meter", "m"},
+                                                           {"metres", "m"},
+                                                           {"meters", "m"},
+                                                           {"ft", "ft"},
+                                                           {"foot", "ft"},
+                                                           {"feet", "ft"},
+                                                           {"ftus", "ftUS"},
+                                                           {"ft us", "ftUS"},
+                                                           {"us-ft", "ftUS"},
+                                                           {"foot_us", "ftUS"},
+                                                           {"us survey foot", "ftUS"},
+                                                           {"us_survey_foot", "ftUS"}};
   for (const auto& [name, unit] : units)
     if (word == name) return crs.known() && crs.height_unit() == unit ? "" : unit;
   if (!word.empty() && word != "unknown")

@@ -88,6 +88,22 @@ TEST(GeoTiff, TheUnitOfHeightsIsToldWhereTheCrsSaysAnother) {
   EXPECT_EQ(context.warnings[0].code, "unknown-unit");
 }
 
+TEST(GeoTiff, VoidsThatAreNotDeclaredAreHeightsAndAWarning) {
+  const std::vector<float> samples = {1, 2, -9999, 4, -9999, 6};
+  Context context;
+  const Dataset data = read("tif", tiff(3, 2, samples), context);
+  EXPECT_EQ(std::get<Raster>(data.surface).at(2, 0), -9999);
+  ASSERT_EQ(context.warnings.size(), 1u);
+  EXPECT_EQ(context.warnings[0].code, "undeclared-voids");
+  EXPECT_EQ(context.warnings[0].message.substr(0, 23), "2 samples are -9999, wh");
+  Context declared;
+  read("tif", tiff(3, 2, samples, {{42113, text("-9999")}}), declared);
+  EXPECT_TRUE(declared.warnings.empty());
+  Context lowest;
+  read("tif", tiff(3, 2, {1, 2, 3, std::numeric_limits<float>::lowest(), 5, 6}), lowest);
+  EXPECT_EQ(lowest.warnings.size(), 1u);
+}
+
 TEST(GeoTiff, CompoundCrsSurvives) {
   Context context;
   const Dataset data =
