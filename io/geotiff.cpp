@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cpl_conv.h>
-#include <ogr_spatialref.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <cpl_conv.h>
+#include <ogr_spatialref.h>
 
 #include "core/shortest.hpp"
 #include "io/bad_input.hpp"
@@ -227,22 +227,14 @@ Crs TiffReader::read_crs() {
 /// A band may say its own unit. Where that is the unit of the CRS it says no more: `crs` overrules both.
 std::string TiffReader::read_height_unit(const Crs& crs) const {
   const std::string said = band_->GetUnitType() ? band_->GetUnitType() : "", word = lower(said);
-  constexpr std::pair<const char*, const char*> units[] = {{"m", "m"},
-                                                           {"metre", "m"},
-                                                           {"meter", "m"},
-                                                           {"metres", "m"},
-                                                           {"meters", "m"},
-                                                           {"ft", "ft"},
-                                                           {"foot", "ft"},
-                                                           {"feet", "ft"},
-                                                           {"ftus", "ftUS"},
-                                                           {"ft us", "ftUS"},
-                                                           {"us-ft", "ftUS"},
-                                                           {"foot_us", "ftUS"},
-                                                           {"us survey foot", "ftUS"},
-                                                           {"us_survey_foot", "ftUS"}};
-  for (const auto& [name, unit] : units)
-    if (word == name) return crs.known() && crs.height_unit() == unit ? "" : unit;
+  const auto is = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
+  const char* const unit = is({"m", "metre", "meter", "metres", "meters"})                           ? "m"
+                           : is({"ft", "foot", "feet"})                                              ? "ft"
+                           : is({"ftus", "ft us", "us-ft", "foot_us", "us survey foot", "us_survey_foot"}) ? "ftUS"
+                                                                                                     : nullptr;
+  if (unit) return crs.known() && crs.height_unit() == unit ? "" : unit;
   if (!word.empty() && word != "unknown")
     context_.warn({"unknown-unit", options_.name, "",
                    "the raster says its heights are in '" + one_line(said) +
