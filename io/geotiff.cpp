@@ -230,10 +230,10 @@ std::string TiffReader::read_height_unit(const Crs& crs) const {
   const auto is = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), word) != names.end();
   };
-  const char* const unit = is({"m", "metre", "meter", "metres", "meters"})                           ? "m"
-                           : is({"ft", "foot", "feet"})                                              ? "ft"
+  const char* const unit = is({"m", "metre", "meter", "metres", "meters"})                                 ? "m"
+                           : is({"ft", "foot", "feet"})                                                    ? "ft"
                            : is({"ftus", "ft us", "us-ft", "foot_us", "us survey foot", "us_survey_foot"}) ? "ftUS"
-                                                                                                     : nullptr;
+                                                                                                           : nullptr;
   if (unit) return crs.known() && crs.height_unit() == unit ? "" : unit;
   if (!word.empty() && word != "unknown")
     context_.warn({"unknown-unit", options_.name, "",
