@@ -81,7 +81,7 @@ bool same(const OGRSpatialReference& a, const OGRSpatialReference& b) {
 
 /// The code a CRS carries, when the register agrees on its meaning: WKT with a code and other numbers exists.
 std::string verified_code(const OGRSpatialReference& srs) {
-  const std::string code = code_of(srs);
+  const std::string code = register_code(code_of(srs));
   if (code.empty()) return "";
   OGRSpatialReference registered;
   registered.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);

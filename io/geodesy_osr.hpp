@@ -47,6 +47,9 @@ struct Quiet {
   Quiet& operator=(const Quiet&) = delete;
 };
 
+/// "EPSG:25831", "EPSG:25831+5773", "OGC:CRS84" in the register's spelling, or "" when the text is no code.
+std::string register_code(std::string_view text);
+
 /// The CRS of a definition, x first. Network access is off. `definition` is one that Crs::parse made.
 OGRSpatialReference osr(const std::string& definition);
 

@@ -36,28 +36,13 @@ std::string upper(std::string_view text) {
   return out;
 }
 
-/// "EPSG:25831", "EPSG:25831+5773", "OGC:CRS84" in the register's spelling, or "" when the text is no code.
-std::string code(std::string_view text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) return "";
-  const std::string authority = upper(text.substr(0, colon));
-  constexpr std::array known = {"EPSG", "ESRI", "OGC", "IGNF"};
-  if (std::find(known.begin(), known.end(), authority) == known.end()) return "";
-  const std::string_view number = text.substr(colon + 1);
-  const std::size_t plus = number.find('+');
-  if (number.size() > 40 || !all(number.substr(0, plus), is_word)) return "";
-  if (plus != std::string_view::npos && (authority != "EPSG" || !all(number.substr(plus + 1), is_digit))) return "";
-  if (authority == "EPSG" && !all(number.substr(0, plus), is_digit)) return "";
-  return authority + ":" + std::string(number);
-}
-
 /// The code in ".../def/crs/EPSG/0/25831" or "urn:ogc:def:crs:EPSG::25831", split at `separator`.
 std::string uri_code(std::string_view path, char separator) {
   const std::size_t first = path.find(separator);
   if (first == std::string_view::npos) return "";
   const std::size_t second = path.find(separator, first + 1);
   if (second == std::string_view::npos) return "";
-  return code(std::string(path.substr(0, first)) + ":" + std::string(path.substr(second + 1)));
+  return register_code(std::string(path.substr(0, first)) + ":" + std::string(path.substr(second + 1)));
 }
 
 std::string uri(std::string_view text) {
@@ -76,7 +61,7 @@ std::string uri(std::string_view text) {
   if (!path.starts_with(lead) || second == std::string_view::npos) return "";
   const std::string plan = uri(path.substr(lead.size(), second - lead.size())), heights = uri(path.substr(second + 3));
   if (!plan.starts_with("EPSG:") || !heights.starts_with("EPSG:") || plan.find('+') != std::string::npos) return "";
-  return code(plan + "+" + heights.substr(5));
+  return register_code(plan + "+" + heights.substr(5));
 }
 
 bool is_wkt(std::string_view text) {
@@ -116,6 +101,20 @@ bool import_text(OGRSpatialReference& srs, const std::string& text) {
 
 }  // namespace
 
+std::string register_code(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return "";
+  const std::string authority = upper(text.substr(0, colon));
+  constexpr std::array known = {"EPSG", "ESRI", "OGC", "IGNF"};
+  if (std::find(known.begin(), known.end(), authority) == known.end()) return "";
+  const std::string_view number = text.substr(colon + 1);
+  const std::size_t plus = number.find('+');
+  if (number.size() > 40 || !all(number.substr(0, plus), is_word)) return "";
+  if (plus != std::string_view::npos && (authority != "EPSG" || !all(number.substr(plus + 1), is_digit))) return "";
+  if (authority == "EPSG" && !all(number.substr(0, plus), is_digit)) return "";
+  return authority + ":" + std::string(number);
+}
+
 void load_geodesy() { load_gdal(); }
 
 bool names_files(std::string_view text) {
@@ -140,7 +139,7 @@ Crs Crs::parse(std::string_view given) {
     crs.impl_ = Impl::local_frame(unit);
     return crs;
   }
-  std::string definition = code(text);
+  std::string definition = register_code(text);
   const bool free_text = is_wkt(text) || text.front() == '{';
   if (definition.empty()) definition = uri(text);
   if (definition.empty() && free_text) definition = in_utf8(std::string(text));

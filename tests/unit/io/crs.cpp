@@ -97,6 +97,14 @@ TEST(Crs, ACodeWithOtherNumbersIsNotBelieved) {
   EXPECT_FALSE(Crs::parse(wkt).same_plan(Crs::parse("EPSG:25831")));
 }
 
+TEST(Crs, CodesAreSpeltAsTheRegisterDoes) {
+  std::string wkt = Crs::parse("EPSG:25831").wkt();
+  const std::size_t at = wkt.rfind("EPSG");
+  EXPECT_EQ(Crs::parse(wkt.replace(at, 4, "ePSG")).id(), "EPSG:25831");
+  const Crs other = Crs::parse(wkt.replace(at, 4, "MINE"));
+  EXPECT_EQ(Crs::parse(other.id()).id(), other.id());
+}
+
 TEST(Crs, WhatCannotBeUsedIsRefused) {
   for (const char* text :
        {"", " ", "nonsense", "25831", "EPSG:", "EPSG:0", "EPSG:99999999", "EPSG:4326 x", "EPSG:5773", "EPSG:4978",
