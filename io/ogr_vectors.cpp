@@ -53,7 +53,11 @@ class Reader {
 
   Vectors file(std::string_view bytes, const std::string& word) {
     if (word == "gpkg") refuse_programs(bytes);
-    if (word == "dxf") refuse_zero_bytes(bytes);
+    std::string ended;
+    if (word == "dxf") {
+      refuse_zero_bytes(bytes);
+      if (bytes.ends_with('\r')) bytes = ended = std::string(bytes) + "\n";  // GDAL waits for it without end
+    }
     const MemoryFile file(bytes, word == "gpkg" ? ".gpkg" : word == "dxf" ? ".dxf" : ".zip");
     if (word == "dxf") most_features_ = max_drawn;
     Vectors vectors;

@@ -4,7 +4,9 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <new>
+#include <string>
 
 #include "server/http/header_fields.hpp"
 #include "server/http/message.hpp"
@@ -63,11 +65,15 @@ class ZstdUnpacker : public Unpacker {
     bool is_full = false;
     while (in.pos < in.size || is_full) {
       if (is_between_ && !begins_frame(bytes[in.pos])) return false;
+      if (is_between_) head_.clear(), made_ = 0;
       ZSTD_outBuffer out{out_.data(), out_.size(), 0};
-      const std::size_t left = ZSTD_decompressStream(state_, &out, &in);
+      const std::size_t before = in.pos, left = ZSTD_decompressStream(state_, &out, &in);
       if (ZSTD_isError(left)) return false;
+      head_ += bytes.substr(before, std::min(in.pos - before, longest_head - head_.size()));
+      made_ += out.pos;
       sink({out_.data(), out.pos});
       is_between_ = left == 0;
+      if (is_between_ && !has_size_announced()) return false;
       is_full = out.pos == out.size && !is_between_;
     }
     return true;
@@ -78,8 +84,16 @@ class ZstdUnpacker : public Unpacker {
   /// its own, and passes over frames without content, without saying where these end.
   static bool begins_frame(char first) { return first == 0x28; }
 
+  /// The library does not look where a frame that came in pieces ends in an empty block.
+  bool has_size_announced() const {
+    const unsigned long long size = ZSTD_getFrameContentSize(head_.data(), head_.size());
+    return size == ZSTD_CONTENTSIZE_UNKNOWN || size == made_;
+  }
+
+  static constexpr std::size_t longest_head = 18;  // RFC 8878, magic number included
   ZSTD_DCtx* state_;
-  std::string out_;
+  std::string out_, head_;       // of the frame
+  unsigned long long made_ = 0;  // from the frame
 };
 
 }  // namespace

@@ -148,6 +148,15 @@ TEST(Vectors, ADrawingHoldsLinesAtTheirLevel) {
   EXPECT_EQ(write_vectors(vectors, "dxf"), bytes);
 }
 
+TEST(Vectors, ADrawingMayEndInACarriageReturn) {
+  Vectors vectors;
+  vectors.features.push_back({{{"level", 12.5}}, {}, {{{1, 2, NAN}, {3, 4, NAN}}}, {}});
+  std::string bytes = write_vectors(vectors, "dxf");
+  bytes.back() = '\r';
+  EXPECT_EQ(read(bytes).lines().size(), 1u);
+  EXPECT_NE(refusal("0\nSECTION\n\nO\r"), "");  // took for ever
+}
+
 TEST(Vectors, TextsHoldNoZeroBytes) {
   std::string drawing = "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n90\n2\n70\n0\n10\n1";
   drawing += std::string(64, '\xff') + std::string(16, '\0') + "\n10\n3\n20\n4\n0\nENDSEC\n";

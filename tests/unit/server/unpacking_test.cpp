@@ -74,6 +74,11 @@ TEST(Unpacking, WhatIsCutOffOrDamagedIsBroken) {
   }
 }
 
+TEST(Unpacking, AZstdFrameIsAsLongAsItSays) {
+  const std::string frame("\x28\xb5\x2f\xfd\x41\x01\0\0\0\x01\0\0", 12);  // 256 bytes, and an empty block
+  for (const std::size_t piece : {1u, 7u, 12u}) EXPECT_FALSE(unpacked("zstd", frame, piece));
+}
+
 TEST(Unpacking, AZstdWindowIsBounded) {
   ZSTD_CCtx* const state = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(state, ZSTD_c_windowLog, 27);
