@@ -61,11 +61,14 @@ class ZstdUnpacker : public Unpacker {
   ZstdUnpacker& operator=(const ZstdUnpacker&) = delete;
 
   bool add(std::string_view bytes, const Sink& sink) override {
-    ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
+    ZSTD_inBuffer in{bytes.data(), 0, 0};
     bool is_full = false;
-    while (in.pos < in.size || is_full) {
+    while (in.pos < bytes.size() || is_full) {
       if (is_between_ && !begins_frame(bytes[in.pos])) return false;
       if (is_between_) head_.clear(), made_ = 0;
+      // A frame of which the first byte comes by itself goes the one way there is for pieces; whole ones go another,
+      // which takes other broken frames for good.
+      in.size = is_between_ ? in.pos + 1 : bytes.size();
       ZSTD_outBuffer out{out_.data(), out_.size(), 0};
       const std::size_t before = in.pos, left = ZSTD_decompressStream(state_, &out, &in);
       if (ZSTD_isError(left)) return false;
