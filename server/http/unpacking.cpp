@@ -66,8 +66,8 @@ class ZstdUnpacker : public Unpacker {
     while (in.pos < bytes.size() || is_full) {
       if (is_between_ && !begins_frame(bytes[in.pos])) return false;
       if (is_between_) head_.clear(), made_ = 0;
-      // A frame of which the first byte comes by itself goes the one way there is for pieces; whole ones go another,
-      // which takes other broken frames for good.
+      // The library treats a frame that it gets whole otherwise than one in pieces, and other broken ones pass: with its
+      // first byte by itself every frame comes in pieces.
       in.size = is_between_ ? in.pos + 1 : bytes.size();
       ZSTD_outBuffer out{out_.data(), out_.size(), 0};
       const std::size_t before = in.pos, left = ZSTD_decompressStream(state_, &out, &in);
@@ -95,8 +95,8 @@ class ZstdUnpacker : public Unpacker {
 
   static constexpr std::size_t longest_head = 18;  // RFC 8878, magic number included
   ZSTD_DCtx* state_;
-  std::string out_, head_;       // of the frame
-  unsigned long long made_ = 0;  // from the frame
+  std::string out_, head_;       // head_: the first bytes of the frame
+  unsigned long long made_ = 0;  // bytes that came of the frame
 };
 
 }  // namespace

@@ -258,10 +258,6 @@ class Judge {
   std::ostringstream wrong_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Which of several each of a row of choices took, where how many there are depends on those before. All take the first
 /// to begin with; next() goes on to ways in which one does not, then two, and so on, and returns false after the last.
 class Ways {
