@@ -66,8 +66,8 @@ class ZstdUnpacker : public Unpacker {
     while (in.pos < bytes.size() || is_full) {
       if (is_between_ && !begins_frame(bytes[in.pos])) return false;
       if (is_between_) head_.clear(), made_ = 0;
-      // The library treats a frame that it gets whole otherwise than one in pieces, and other broken ones pass: with its
-      // first byte by itself every frame comes in pieces.
+      // The library treats a frame that it gets whole otherwise than one in pieces, and other broken ones pass: with
+      // its first byte by itself every frame comes in pieces.
       in.size = is_between_ ? in.pos + 1 : bytes.size();
       ZSTD_outBuffer out{out_.data(), out_.size(), 0};
       const std::size_t before = in.pos, left = ZSTD_decompressStream(state_, &out, &in);

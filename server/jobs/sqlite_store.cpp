@@ -2,7 +2,9 @@
 #include <sqlite3.h>
 
 #include <cerrno>
+#include <chrono>
 #include <mutex>
+#include <thread>
 #include <unordered_map>
 
 #include "server/jobs/sql_database.hpp"
@@ -31,6 +33,7 @@ class SqliteDatabase : public SqlDatabase {
     if (code != SQLITE_OK) fail();
     sqlite3_extended_result_codes(connection, 1);
     sqlite3_busy_timeout(connection, busy_milliseconds);
+    wait_for_others_to_switch();
     const std::string mode = run("PRAGMA journal_mode = WAL", {}).at(0).at(0).value_or("");
     if (mode != "wal" && !file.empty()) fail_store("no write-ahead log can be kept beside it");
     execute(full);
@@ -49,6 +52,16 @@ class SqliteDatabase : public SqlDatabase {
   }
 
  private:
+  /// The library waits for locks, but not for another that is switching to the log at the same moment.
+  void wait_for_others_to_switch() {
+    const auto busy = [&] {
+      return (sqlite3_exec(connection_.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) & 0xff) ==
+             SQLITE_BUSY;
+    };
+    for (int waited = 0; waited < busy_milliseconds && busy(); waited += 5)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
   static constexpr const char* full = "PRAGMA synchronous = FULL";
 
   std::vector<SqlRow> run(const std::string& sql, const std::vector<SqlValue>& values) {
