@@ -144,9 +144,15 @@ class Keeper {
 Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
                           const std::function<double(Index label, Point2)>& distance, double bound) {
   Keeper keeper(editor, place, distance, bound);
-  for (const Index v : keeper.without_faces())
-    if (!keeper.bring_back(v, false) && !keeper.widen(v) && !keeper.flip_and_widen(v)) keeper.bring_back(v, true);
-  return static_cast<Index>(keeper.without_faces().size());  // bringing one back may have cost another's
+  std::vector<Index> lost = keeper.without_faces();
+  for (std::size_t before = lost.size() + 1; !lost.empty() && lost.size() < before;) {
+    before = lost.size();
+    for (const Index v : lost)
+      if (!keeper.labelled(v) && !keeper.bring_back(v, false) && !keeper.widen(v) && !keeper.flip_and_widen(v))
+        keeper.bring_back(v, true);
+    lost = keeper.without_faces();  // one that is back may let others in that stand behind it, or have cost another's
+  }
+  return static_cast<Index>(lost.size());
 }
 
 }  // namespace terrane

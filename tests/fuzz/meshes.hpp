@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/overlay.hpp"
 #include "core/tin.hpp"
 #include "support/exact.hpp"
 #include "support/small_mesh.hpp"
@@ -61,6 +62,22 @@ inline Tin mesh(Bytes& bytes, const Frame& frame) {
     for (std::size_t f = tin.faces.size(); f-- > 1;)
       if (out >> f % 7 & 1) tin.faces.erase(tin.faces.begin() + static_cast<std::ptrdiff_t>(f));
   return canonical(tin);
+}
+
+/// A byte with the options, one with the frame, two meshes.
+struct Pair {
+  OverlayOptions options;
+  Tin a, b;
+};
+inline Pair pair(Bytes bytes) {
+  Pair pair;
+  const unsigned choices = bytes.next();
+  if (choices & 1) pair.options.snap = 0;
+  if ((choices & 14) == 14) pair.options.refinement = Refinement::paste;
+  const Frame frame(bytes.next());
+  pair.a = mesh(bytes, frame);
+  pair.b = mesh(bytes, frame);
+  return pair;
 }
 
 }  // namespace terrane::fuzz

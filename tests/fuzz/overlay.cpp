@@ -24,14 +24,15 @@ void print(const terrane::Tin& tin) {
 // degenerate, and every promise is judged on the result.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace terrane;
-  fuzz::Bytes bytes(data, size);
+  const fuzz::Bytes all(data, size);
   Context context;
   std::string wrong;
   std::vector<Tin> tiles;
+#ifdef TERRANE_FUZZ_MERGE
+  fuzz::Bytes bytes = all;
+  MergeOptions options;
   const unsigned choices = bytes.next();
   const fuzz::Frame frame(bytes.next());
-#ifdef TERRANE_FUZZ_MERGE
-  MergeOptions options;
   options.overlap = static_cast<Overlap>(choices % 6);
   if (choices & 128) options.assembly.seam = Seam::split;
   while (bytes.left() > 0 && tiles.size() < 5)
@@ -40,14 +41,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     wrong = support::broken_promises(tiles, options, merge(tiles, options, context));
 #else
-  OverlayOptions options;
-  if (choices & 1) options.snap = 0;
-  if ((choices & 14) == 14) options.refinement = Refinement::paste;
-  for (int i = 0; i < 2; ++i) tiles.push_back(fuzz::mesh(bytes, frame));
-  if (tiles[0].faces.empty() || tiles[1].faces.empty()) return 0;
+  const fuzz::Pair pair = fuzz::pair(all);
+  tiles = {pair.a, pair.b};
+  if (pair.a.faces.empty() || pair.b.faces.empty()) return 0;
   try {
-    const Overlay overlaid = overlay(tiles[0], tiles[1], options, context);
-    wrong = support::broken_promises(tiles[0], tiles[1], options, overlaid);
+    const Overlay overlaid = overlay(pair.a, pair.b, pair.options, context);
+    wrong = support::broken_promises(pair.a, pair.b, pair.options, overlaid);
     if (!wrong.empty())
       std::fprintf(stderr, "snapped %d by %g, moved by %g\n", overlaid.rounding.snapped, overlaid.rounding.max_snap,
                    overlaid.rounding.max_move);
