@@ -7,6 +7,7 @@
 #include "io/gdal_library.hpp"
 #include "io/geodesy_osr.hpp"
 #include "io/text.hpp"
+#include "io/utf8.hpp"
 
 // Text to CRS. OSR understands far more than we let it see: file names, URLs, PROJ strings with grids of one's choice.
 namespace terrane {
@@ -79,14 +80,6 @@ bool nested_too_deep(std::string_view text) {
     if (c == ']' || c == ')' || c == '}') --depth;
   }
   return deepest > max_nesting;
-}
-
-/// Old programs write names in Latin-1; from here they go into documents that are UTF-8.
-std::string in_utf8(const std::string& text) {
-  if (CPLIsUTF8(text.data(), static_cast<int>(text.size()))) return text;
-  const auto made = std::unique_ptr<char, decltype(&CPLFree)>(
-      CPLRecode(text.c_str(), CPL_ENC_ISO8859_1, CPL_ENC_UTF8), &CPLFree);
-  return made.get();
 }
 
 bool import_text(OGRSpatialReference& srs, const std::string& text) {

@@ -13,6 +13,7 @@
 #include "io/geodesy_osr.hpp"
 #include "io/sqlite_schema.hpp"
 #include "io/text.hpp"
+#include "io/utf8.hpp"
 #include "io/vectors.hpp"
 #include "io/zipped_shapefile.hpp"
 
@@ -143,9 +144,9 @@ class Reader {
       else if (type == OFTReal)
         value = feature.GetFieldAsDouble(i);
       else if (type != OFTBinary)
-        value = feature.GetFieldAsString(i);
+        value = in_utf8(feature.GetFieldAsString(i));
     }
-    row.properties[field->GetNameRef()] = std::move(value);
+    row.properties[in_utf8(field->GetNameRef())] = std::move(value);
   }
 
   Point point(const OGRPoint& p) {

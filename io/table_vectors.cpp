@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "io/table.hpp"
 #include "io/text.hpp"
+#include "io/utf8.hpp"
 #include "io/vectors.hpp"
 
 // Tables of places: a first line of names, two of which are x and y, then a place a line.
@@ -63,7 +64,11 @@ class Reader {
   Reader(const std::string& name, Context& context) : name_(name), context_(context) {}
 
   Vectors read(std::string_view bytes) {
-    for (std::string_view text = without_mark(bytes); !text.empty();) {
+    if (bytes.find('\0') != bytes.npos)
+      throw Error(ErrorKind::input, "binary",
+                  name_ + ": it holds zero bytes, which text does not; export it as text in UTF-8");
+    const std::string decoded = in_utf8(bytes);
+    for (std::string_view text = without_mark(decoded); !text.empty();) {
       const std::string_view line = next_line(text);
       ++line_;
       if (const std::string_view crs = crs_in_comment(line); !crs.empty())

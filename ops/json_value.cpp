@@ -96,6 +96,4 @@ std::string json_text(const Json& value, int indent) {
 
 std::string utf8_text(const std::string& text) { return Json::parse(json_text(text)).get<std::string>(); }
 
-bool is_utf8(const std::string& text) { return utf8_text(text) == text; }
-
 }  // namespace terrane

@@ -17,6 +17,5 @@ nlohmann::json parse_json_value(std::string_view text, const nlohmann::json& sch
 std::string json_text(const nlohmann::json& value, int indent = -1);
 /// The same for one string.
 std::string utf8_text(const std::string& text);
-bool is_utf8(const std::string& text);
 
 }  // namespace terrane

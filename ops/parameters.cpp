@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/shortest.hpp"
+#include "io/utf8.hpp"
 #include "ops/json_value.hpp"
 
 namespace terrane {

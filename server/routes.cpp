@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/error.hpp"
-#include "ops/json_value.hpp"
+#include "io/utf8.hpp"
 #include "server/http/front.hpp"
 #include "server/http/header_fields.hpp"
 #include "server/http/http_limits.hpp"

@@ -88,6 +88,12 @@ TEST(Vectors, FurtherColumnsOfATableAreProperties) {
   EXPECT_NE(refusal("name,size\n1,2\n"), "");
 }
 
+TEST(Vectors, TextThatIsNotUtf8IsTakenForLatin1) {
+  const Vectors v = read("x,y,h\xF6he,h\xF8he\n1,2,\xE9t\xE9,3\n");
+  EXPECT_EQ(v.features.at(0).properties, (nlohmann::json{{"höhe", "été"}, {"høhe", 3}}));
+  EXPECT_EQ(read("x,y,höhe\n1,2,été\n").features.at(0).properties, (nlohmann::json{{"höhe", "été"}}));
+}
+
 TEST(Vectors, GeoJsonComesBackExactly) {
   const std::string bytes = write_vectors(mixed(), "geojson");
   const Vectors back = read(bytes);
@@ -161,6 +167,7 @@ TEST(Vectors, TextsHoldNoZeroBytes) {
   std::string drawing = "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n90\n2\n70\n0\n10\n1";
   drawing += std::string(64, '\xff') + std::string(16, '\0') + "\n10\n3\n20\n4\n0\nENDSEC\n";
   EXPECT_NE(refusal(drawing).find("zero bytes"), std::string::npos);
+  EXPECT_NE(refusal(std::string("x,y,k\n1,2,\0", 11)).find("zero bytes"), std::string::npos);
   EXPECT_NE(refusal(std::string("POINT (1 2)\0 POINT (3 4)", 25)).find("zero bytes"), std::string::npos);
 }
 
