@@ -5,8 +5,20 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdlib>
+#include <new>
 
 namespace terrane {
+
+void* large_pages(std::size_t bytes) {
+  const std::size_t whole = bytes / large_page * large_page;  // the rest in small pages: what no one writes costs nothing
+  void* place;
+  if (posix_memalign(&place, large_page, bytes) != 0) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+  madvise(place, whole, MADV_HUGEPAGE);
+#endif
+  return place;
+}
 
 void populate(void* begin, void* end) {
 #ifdef MADV_POPULATE_WRITE

@@ -2,7 +2,7 @@
 #include "core/overlay/overlay_faces.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <numeric>
 #include <span>
 
 #include "core/error.hpp"
@@ -78,73 +78,122 @@ class GroupFiller {
   std::vector<BorderEdge> border_;
 };
 
-/// Every face of A, then every face of B, in ranges.
-Traced trace_all(const Arrangement& arrangement, Refinement refinement, Context& context) {
-  const std::size_t count[2] = {static_cast<std::size_t>(arrangement.mesh[0]->faces()),
-                                static_cast<std::size_t>(arrangement.mesh[1]->faces())};
-  const std::size_t chunk[2] = {chunk_for(context, count[0]), chunk_for(context, count[1])};
-  const std::size_t ranges[2] = {(count[0] - 1) / chunk[0] + 1, (count[1] - 1) / chunk[1] + 1};
-  const bool alone = ranges[0] + ranges[1] == 2;  // then both ranges, one after the other, share a sink
-  Array<std::uint8_t> visited(2 * arrangement.lines[0].nodes.size(), 0);
-  std::vector<Traced> sinks(alone ? 1 : ranges[0] + ranges[1]);
-  // What general position gives; memory that is never touched costs nothing.
-  const std::size_t expected = 2 * static_cast<std::size_t>(arrangement.first_corner) + 64;
-  for (int m = 0; m < 2; ++m)
-    parallel_for(context, count[m], chunk[m], [&](std::size_t begin, std::size_t end) {
-      Traced& place = sinks[alone ? 0 : m * ranges[0] + begin / chunk[m]];
-      Traced sink = std::move(place);  // on this thread's own cache lines while it grows
-      if (m == 0) sink.resize(begin == 0 ? expected : expected / ranges[0]);
-      RegionTracer tracer(arrangement, refinement, visited, sink);
+/// Where the faces of each range of A may begin, and where those of the last may end: regions that touch the border of
+/// a face of A are triangles between its corners, what lies on its edges, and the places of B inside it.
+std::vector<std::size_t> room_for_a(const Arrangement& arrangement, std::size_t chunk, const Context& context) {
+  const CompletedMesh& a = *arrangement.mesh[0];
+  const std::size_t faces = static_cast<std::size_t>(a.faces());
+  if (chunk >= faces) return {0, 2 * arrangement.points.size()};  // a plane mesh has fewer than two faces per vertex
+  std::vector<std::size_t> room((faces - 1) / chunk + 2, 0);
+  for (const Location& where : arrangement.location[1])
+    if (where.kind == Location::face) room[static_cast<std::size_t>(where.index) / chunk + 1] += 2;
+  parallel_for(context, faces, chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t pieces = 0;
+    for (Index f = static_cast<Index>(begin); f < static_cast<Index>(end); ++f)
+      for (Index k = 0; k < 3; ++k)
+        pieces += static_cast<std::size_t>(arrangement.lines[0].pieces(a.edge_of(4 * f + k)));
+    room[begin / chunk + 1] += pieces - 2 * (end - begin);
+  });
+  std::partial_sum(room.begin(), room.end(), room.begin());
+  return room;
+}
+
+/// Traces every face of A, then every face of B, in ranges, each into a place of its own in two arrays.
+class RangeTracer {
+ public:
+  RangeTracer(const Arrangement& arrangement, Refinement refinement, OverlayFaces& out, Context& context)
+      : arrangement_(arrangement),
+        refinement_(refinement),
+        context_(context),
+        visited_(2 * arrangement.lines[0].nodes.size(), 0) {
+    for (int m = 0; m < 2; ++m) {
+      count_[m] = static_cast<std::size_t>(arrangement.mesh[m]->faces());
+      chunk_[m] = chunk_for(context, count_[m]);
+    }
+    room_for_a_ = room_for_a(arrangement, chunk_[0], context);
+    // What touches no border of A is whole faces of B; what is put together later is faces of a plane mesh, too.
+    all_.room = std::max(room_for_a_.back(), 2 * arrangement.points.size()) + count_[1];
+    out.faces.resize(all_.room);  // memory that is never touched costs nothing
+    out.parents.resize(all_.room);
+    all_.faces = out.faces.data();
+    all_.parents = out.parents.data();
+  }
+
+  Traced traced() {
+    for (int m = 0; m < 2; ++m) trace_mesh(m);
+    return std::move(all_);
+  }
+
+ private:
+  void trace_mesh(int m) {
+    const std::size_t count = count_[m], chunk = chunk_[m], first = all_.count;
+    std::vector<Traced> ranges((count - 1) / chunk + 1);
+    const auto begin_of = [&](std::size_t r) { return m == 0 ? room_for_a_[r] : first + std::min(count, r * chunk); };
+    for (std::size_t r = 0; r < ranges.size(); ++r) {
+      ranges[r].faces = all_.faces + begin_of(r);
+      ranges[r].parents = all_.parents + begin_of(r);
+      ranges[r].room = begin_of(r + 1) - begin_of(r);
+    }
+    parallel_for(context_, count, chunk, [&](std::size_t begin, std::size_t end) {
+      Traced range = std::move(ranges[begin / chunk]);  // on this thread's own cache lines while it grows
+      RegionTracer tracer(arrangement_, refinement_, visited_, range);
       for (std::size_t f = begin; f < end; ++f) {
-        if ((f & 0xFFFF) == 0) context.stop_if_cancelled();
+        if ((f & 0xFFFF) == 0) context_.stop_if_cancelled();
         if (m == 0)
           tracer.face_of_a(static_cast<Index>(f));
         else
           tracer.face_of_b(static_cast<Index>(f));
       }
-      place = std::move(sink);
+      ranges[begin / chunk] = std::move(range);
     });
-  Traced& all = sinks[0];
-  std::vector<std::size_t> offset{0};
-  for (const Traced& sink : sinks) {
-    offset.push_back(offset.back() + sink.count);
-    if (&sink == &all) continue;
-    all.grouped.insert(all.grouped.end(), sink.grouped.begin(), sink.grouped.end());
-    all.regions += sink.regions;
-    all.all_positive = all.all_positive && sink.all_positive;
+    for (const Traced& range : ranges) append(range);
   }
-  all.count = offset.back();
-  if (all.count > all.faces.size()) all.trim();
-  parallel_tasks(context, 2 * (sinks.size() - 1), [&](std::size_t i) {
-    const std::size_t s = i / 2 + 1;
-    const auto at = static_cast<std::ptrdiff_t>(offset[s]);
-    if (i % 2 == 0)
-      std::copy_n(sinks[s].faces.begin(), sinks[s].count, all.faces.begin() + at);
-    else
-      std::copy_n(sinks[s].parents.begin(), sinks[s].count, all.parents.begin() + at);
-  });
-  return std::move(all);
-}
+
+  /// The range's faces close up to those before.
+  void append(const Traced& range) {
+    parallel_tasks(context_, all_.faces + all_.count == range.faces ? 0 : 2, [&](std::size_t i) {
+      if (i == 0)
+        std::copy_n(range.faces, range.count, all_.faces + all_.count);
+      else
+        std::copy_n(range.parents, range.count, all_.parents + all_.count);
+    });
+    all_.count += range.count;
+    all_.grouped.insert(all_.grouped.end(), range.grouped.begin(), range.grouped.end());
+    all_.regions += range.regions;
+    all_.all_positive = all_.all_positive && range.all_positive;
+  }
+
+  const Arrangement& arrangement_;
+  Refinement refinement_;
+  Context& context_;
+  std::size_t count_[2], chunk_[2];
+  std::vector<std::size_t> room_for_a_;
+  Array<std::uint8_t> visited_;
+  Traced all_;
+};
 
 }  // namespace
 
 OverlayFaces faces_of(const Arrangement& arrangement, Refinement refinement, Context& context) {
-  Traced sink = trace_all(arrangement, refinement, context);
+  OverlayFaces out;
+  Traced sink = RangeTracer(arrangement, refinement, out, context).traced();
   context.progress("overlay", 0.75);
   std::stable_sort(sink.grouped.begin(), sink.grouped.end(), [](auto& s, auto& t) { return s.group < t.group; });
   const std::vector<GroupedPiece> grouped = std::move(sink.grouped);
   const std::size_t plain = sink.count;
   const Index plain_regions = sink.regions;
-  std::size_t exterior;
-  GroupFiller(arrangement, refinement, false, sink).run(grouped, exterior);
+  GroupFiller(arrangement, refinement, false, sink).run(grouped, out.exterior);
   if (!sink.all_positive) {
     sink.count = plain;
     sink.regions = plain_regions;
-    GroupFiller(arrangement, refinement, true, sink).run(grouped, exterior);
+    GroupFiller(arrangement, refinement, true, sink).run(grouped, out.exterior);
   }
-  sink.trim();
+  out.faces.resize(sink.count);
+  out.parents.resize(sink.count);
+  out.regions = sink.regions;
+  out.all_positive = sink.all_positive;
   context.progress("overlay", 0.8);
-  return {std::move(sink.faces), std::move(sink.parents), exterior, sink.regions, sink.all_positive};
+  return out;
 }
 
 }  // namespace terrane

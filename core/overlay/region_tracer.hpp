@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/error.hpp"
 #include "core/mesh/pages.hpp"
 #include "core/overlay/arrangement.hpp"
 #include "core/overlay/convex.hpp"
@@ -18,12 +19,13 @@ struct GroupedPiece {
   LinePiece piece;
 };
 
-/// What the faces of one range gave.
+/// What the faces of one range gave, written where room for it was made.
 struct Traced {
-  std::size_t count = 0;  // of faces; until trim() there is room for more
-  std::size_t stop = 0;   // where to ask for more
-  Array<Face> faces;
-  Array<std::array<Index, 2>> parents;
+  Face* faces = nullptr;
+  std::array<Index, 2>* parents = nullptr;
+  std::size_t room = 0;
+  std::size_t count = 0;  // of faces
+  std::size_t stop = 0;   // where to ask for more memory
   std::vector<GroupedPiece> grouped;
   Index regions = 0;
   bool all_positive = true;
@@ -36,16 +38,11 @@ struct Traced {
     parents[count++] = of;
   }
   void open(std::size_t needed) {
-    if (needed > faces.size()) resize(2 * needed + 64);
-    const std::size_t next = next_stop(needed, faces.size());
-    populate(faces, count, next);
-    populate(parents, count, next);
+    if (needed > room) throw Error(ErrorKind::internal, "overlay", "more faces than vertices allow");
+    const std::size_t next = next_stop(needed, room);
+    populate(faces + count, faces + next);
+    populate(parents + count, parents + next);
     stop = next;
-  }
-  void trim() { resize(count); }
-  void resize(std::size_t size) {
-    faces.resize(size);
-    parents.resize(size);
   }
 };
 
