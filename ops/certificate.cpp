@@ -120,6 +120,18 @@ HeightCheck check_heights(const Tin& result, const HeightFields& fields, const H
   return all;
 }
 
+void warn_of_skirts(const std::vector<Surface>& surfaces, const Tin& result, Context& context) {
+  const auto skirted = [](const Tin& tin) {
+    const std::vector<bool> ground = on_ground(tin);
+    return std::find(ground.begin(), ground.end(), false) != ground.end();
+  };
+  for (const Surface& s : surfaces)
+    if (const Tin* tin = std::get_if<Tin>(&s.value); tin && skirted(*tin) && !skirted(result))
+      context.warn({"skirts-left-out", s.name, "",
+                    "walls of '" + s.name + "' that reach below or above its surface are not in the result",
+                    "add them again with what made them"});
+}
+
 nlohmann::json warnings_json(const std::vector<Warning>& warnings) {
   nlohmann::json list = nlohmann::json::array();
   for (const Warning& w : warnings)

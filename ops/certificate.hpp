@@ -18,6 +18,10 @@ struct HeightCheck {
 HeightCheck check_heights(const Tin& result, const HeightFields& fields, const HeightFold& fold,
                           const RoundingReport& rounding, Context& context);
 
+/// Warns of inputs with skirts or parapets, walls that reach heights which are none of the surface, where the result has
+/// none any more: operations that make new walls of jumps alone leave them out.
+void warn_of_skirts(const std::vector<Surface>& surfaces, const Tin& result, Context& context);
+
 /// The certificate of a result that is a TIN.
 nlohmann::json certificate(const Plan& plan, const Frame& frame, const std::vector<Surface>& surfaces,
                            const Outcome& outcome, const Inspection& seen, const HeightCheck& heights,

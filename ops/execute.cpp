@@ -251,6 +251,7 @@ Response execute_on_surfaces(const Plan& plan, MemoryNeed& need, Context& contex
       warn_of_heights(check(), *tin, context);  // later they are off by as much as vertices move on slopes
       put_on_grid(outcome, plan, frame.crs, context);
     }
+    warn_of_skirts(surfaces, *tin, context);
     name_joined(frame, outcome);
     const auto verify = [&] {
       const HeightCheck heights = check();

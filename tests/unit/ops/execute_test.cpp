@@ -207,7 +207,10 @@ TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
     EXPECT_GT(r.report["output"]["walls"], 0);
     EXPECT_EQ(r.report["accuracy"]["max_height_error"], 0) << request.operation;
     EXPECT_FALSE(warned(r, "height-check")) << request.operation;
+    EXPECT_FALSE(warned(r, "skirts-left-out")) << request.operation;
   }
+  EXPECT_TRUE(warned(run({"add", {part("a", skirted.dump()), part("b", square(5, 0, 10, 1, 0, ""))}}), "skirts-left-out"));
+  EXPECT_TRUE(warned(run({"clip", {surface}, {{"bbox", "2,-1,8,5"}, {"grid", "0.5"}}}), "skirts-left-out"));
 }
 
 TEST(Execute, EmptyAndApart) {
