@@ -209,7 +209,8 @@ TEST(Execute, SkirtsAreNoHeightsOfTheSurface) {
     EXPECT_FALSE(warned(r, "height-check")) << request.operation;
     EXPECT_FALSE(warned(r, "skirts-left-out")) << request.operation;
   }
-  EXPECT_TRUE(warned(run({"add", {part("a", skirted.dump()), part("b", square(5, 0, 10, 1, 0, ""))}}), "skirts-left-out"));
+  const InputPart a_skirted = part("a", skirted.dump()), beside = part("b", square(5, 0, 10, 1, 0, ""));
+  EXPECT_TRUE(warned(run({"add", {a_skirted, beside}}), "skirts-left-out"));
   EXPECT_TRUE(warned(run({"clip", {surface}, {{"bbox", "2,-1,8,5"}, {"grid", "0.5"}}}), "skirts-left-out"));
 }
 
