@@ -11,11 +11,10 @@
 namespace terrane {
 
 void* large_pages(std::size_t bytes) {
-  const std::size_t whole = bytes / large_page * large_page;  // the rest in small pages: what no one writes costs nothing
   void* place;
   if (posix_memalign(&place, large_page, bytes) != 0) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-  madvise(place, whole, MADV_HUGEPAGE);
+  madvise(place, bytes / large_page * large_page, MADV_HUGEPAGE);  // the rest costs nothing where no one writes
 #endif
   return place;
 }
