@@ -133,19 +133,19 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
     mesh.labels[f] = outside ? none : static_cast<Index>(regions.size()) - 1;
   }
   connect(mesh);
-  // A region outside one of the meshes must not reach into that one either; but A may lie on B.
+  // What lies outside a mesh, the exterior outside both, must not reach into it either; but A may lie on B.
   Depth depth[2] = {Depth(*arrangement.mesh[0]), Depth(*arrangement.mesh[1])};
   const double reach = 16 * report.max_move;
   DistanceToArea area(*arrangement.mesh[1]);
   const auto distance = [&](Index region, Point2 p) {
     double d = 0;
-    for (int m = 0; region != none && m < 2; ++m) {
-      const Index f = regions[region][m];
+    for (int m = 0; m < 2; ++m) {
+      const Index f = region == none ? none : regions[region][m];
       if (f != none && m == 1 && refinement == Refinement::outline)
         d = std::max(d, area(p));
       else if (f != none)
         d = std::max(d, heights[m].distance(f, p));
-      else if (m == 0 || refinement != Refinement::paste)
+      else if (m == 0 || region == none || refinement != Refinement::paste)
         d = std::max(d, depth[m].at(p, reach));
     }
     return d;

@@ -90,7 +90,8 @@ Index flip_back(MeshEditor& editor, const Array<Index>& before, const Distance& 
   const PlanarMesh& mesh = editor.mesh();
   for (int k = 0; k < 3; ++k) {
     MeshEditor::Quad quad;
-    if (!editor.quad(f, k, quad) || mesh.labels[f] == none || mesh.labels[quad.g] == none) continue;
+    if (!editor.quad(f, k, quad)) continue;
+    if (mesh.labels[f] != none && mesh.labels[quad.g] == none) continue;  // nothing is given to the exterior
     const double now =
         std::max(spill(editor, distance, f, mesh.labels[f]), spill(editor, distance, quad.g, mesh.labels[quad.g]));
     const MeshEditor::Mark mark = editor.mark();

@@ -37,11 +37,11 @@ struct Rounded {
 };
 /// Promises: every live face is strictly positive by exact predicates on the returned doubles; input vertices are where
 /// they were; the order of the steps depends on the numbers of vertices and faces only. `distance(label, p)`, when
-/// given, says how far p lies from what the label stands for: flips are accepted while it stays within 3 * the largest
-/// move, else the slower way is taken; the largest is report.max_spill. `at_home(label, p)`, when given, is the
-/// label, or, where it stands for the outside of an input that p lies inside, the one that stands for where p lies:
-/// with it no large face becomes part of the outside. Throws Error{input, "rounding"} naming the place when some face
-/// cannot be made positive.
+/// given, says how far p lies from what the label stands for (none: the exterior): flips are accepted while it stays
+/// within 3 * the largest move, else the slower way is taken; the largest is report.max_spill. `at_home(label, p)`, when
+/// given, is the label, or, where it stands for the outside of an input that p lies inside, the one that stands for
+/// where p lies: with it no large face becomes part of the outside. Throws Error{input, "rounding"} naming the place
+/// when some face cannot be made positive.
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
                          const std::function<double(Index label, Point2)>& distance = {},
                          const std::function<Index(Index label, Point2)>& at_home = {});
