@@ -30,6 +30,16 @@ class Keeper {
     return std::any_of(star_.begin(), star_.end(), [&](Index f) { return editor_.mesh().labels[f] != none; });
   }
 
+  /// Whether v lies in what the label stands for, or no farther from it than one move. To be kept by others only would
+  /// add more to the area, along the whole border, than moves may.
+  bool at_home(Index v, Index label) {
+    return label != none && distance_(label, editor_.mesh().points[v]) <= bound_ / 3;
+  }
+  bool at_home(Index v) {
+    editor_.star(v, star_);
+    return std::any_of(star_.begin(), star_.end(), [&](Index f) { return at_home(v, editor_.mesh().labels[f]); });
+  }
+
   /// Gives a face of the exterior beside v to the region next to it, where it is no farther from that than rounding.
   bool widen(Index v) {
     const PlanarMesh& mesh = editor_.mesh();
@@ -37,7 +47,7 @@ class Keeper {
     for (const Index f : star_)
       for (const Index g : mesh.neighbours[f]) {
         const Index label = g == none ? none : mesh.labels[g];
-        if (label == none || !within_bound(label, mesh.faces[f])) continue;
+        if (!at_home(v, label) || !within_bound(label, mesh.faces[f])) continue;
         editor_.relabel(f, label);
         return true;
       }
@@ -70,7 +80,7 @@ class Keeper {
       for (const Candidate& c : beside(v)) {
         const MeshEditor::Mark mark = editor_.mark();
         if (merge(c.vertex, v) && sound(mark)) {
-          if (labelled(v) || (widening && widen(v))) return true;
+          if (at_home(v) || (widening && widen(v))) return true;
           if ((nearer = c.exterior)) break;
         }
         editor_.undo(mark);

@@ -200,8 +200,12 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
               std::to_string(left.size()) +
               " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
-    if (at_home) take_back_from_outside(editor, distance, at_home, 3 * result.report.max_move);
+    const auto take_back = [&] {
+      if (at_home) take_back_from_outside(editor, distance, at_home, 3 * result.report.max_move);
+    };
+    take_back();
     if (distance) result.report.lost = keep_input_vertices(editor, place, distance, bound);
+    take_back();  // vertices are kept with flips
   }
   if (distance) result.report.max_spill = call_labels_back(editor, before, distance, 3 * result.report.max_move);
   result.relabelled = changed_faces(editor);
