@@ -31,9 +31,12 @@ struct UninitialisedAllocator : std::allocator<T> {
   void deallocate(T* place, std::size_t n) {
     in_large_pages(n) ? std::free(place) : std::allocator<T>::deallocate(place, n);
   }
-  /// Not the largest: on a virtual machine that gives free memory back to its host every large page is asked for there
-  /// again, which at a gigabyte cost more than was saved.
-  static bool in_large_pages(std::size_t n) { return n >= large_page / sizeof(T) && n <= 32 * large_page / sizeof(T); }
+  /// Not small ones, beside which the space lost to alignment counts; nor the largest: on a virtual machine that gives
+  /// free memory back to its host every large page is asked for there again, which at a gigabyte cost more than was
+  /// saved.
+  static bool in_large_pages(std::size_t n) {
+    return n >= 4 * large_page / sizeof(T) && n <= 32 * large_page / sizeof(T);
+  }
   template <class U>
   void construct(U* place) {
     if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(place)) U;  // else not even zero
