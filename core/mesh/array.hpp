@@ -17,7 +17,7 @@ void* large_pages(std::size_t bytes);
 inline constexpr std::size_t large_page = std::size_t{1} << 21;
 
 /// For the big arrays of a computation. Leaves new elements uninitialised: they are about to be written, and the first
-/// touch of their memory costs as much as most of what is computed on them, a quarter of that in large pages.
+/// touch of their memory costs as much as most of what is computed on them, less in large pages.
 template <class T>
 struct UninitialisedAllocator : std::allocator<T> {
   template <class U>
