@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "core/box.hpp"
 #include "core/error.hpp"
@@ -134,25 +135,25 @@ void mend(const Arrangement& arrangement, OverlayFaces& work, Array<Point2>& poi
   }
   connect(mesh);
   // What lies outside a mesh, the exterior outside both, must not reach into it either; but A may lie on B.
-  Depth depth[2] = {Depth(*arrangement.mesh[0]), Depth(*arrangement.mesh[1])};
-  const double reach = 16 * report.max_move;
+  const double reach = 16 * report.max_move, enough = 3 * report.max_move;
+  Depth depth[2] = {{*arrangement.mesh[0], reach, enough}, {*arrangement.mesh[1], reach, enough}};
   DistanceToArea area(*arrangement.mesh[1]);
-  const auto distance = [&](Index region, Point2 p) {
+  const auto spill = [&](Index region, std::span<const Point2> corners) {
     double d = 0;
     for (int m = 0; m < 2; ++m) {
       const Index f = region == none ? none : regions[region][m];
-      if (f != none && m == 1 && refinement == Refinement::outline)
-        d = std::max(d, area(p));
-      else if (f != none)
-        d = std::max(d, heights[m].distance(f, p));
-      else if (m == 0 || region == none || refinement != Refinement::paste)
-        d = std::max(d, depth[m].at(p, reach));
+      if (f != none) {
+        for (const Point2 p : corners)
+          d = std::max(d, m == 1 && refinement == Refinement::outline ? area(p) : heights[m].distance(f, p));
+      } else if (m == 0 || region == none || refinement != Refinement::paste) {
+        d = std::max(d, depth[m].of(corners));
+      }
     }
     return d;
   };
   HomeRegions at_home(arrangement, regions, refinement);
   const Rounded rounded = round_and_verify(
-      mesh, [&](Index v) { return exact_place(arrangement, v); }, context, distance, std::ref(at_home));
+      mesh, [&](Index v) { return exact_place(arrangement, v); }, context, spill, std::ref(at_home));
   report.max_move = std::max(report.max_move, rounded.report.max_move);
   if (rounded.report.max_spill > 3 * report.max_move)
     throw Error(

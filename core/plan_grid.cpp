@@ -79,7 +79,7 @@ OnGrid put_on_grid(const Tin& tin, const PlanGrid& grid, Context& context) {
   };
   Rounded rounded;
   try {
-    rounded = round_and_verify(mesh, place, context, distance);
+    rounded = round_and_verify(mesh, place, context, farthest_corner(distance));
   } catch (const Error& error) {
     if (error.kind != ErrorKind::input) throw;
     refuse(std::string("the surface cannot be kept valid: ") + error.what());

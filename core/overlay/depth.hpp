@@ -1,23 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/overlay/completed.hpp"
 
 namespace terrane {
 
-/// Measures how deep inside a mesh places lie; quickest when each is near the one before.
+/// Measures how deep inside a mesh places lie; quickest when each is near the one before. Looks at the faces within
+/// reach only.
 class Depth {
  public:
-  explicit Depth(const CompletedMesh& mesh) : mesh_(mesh) {}
+  /// Deeper than `reach` is infinitely deep, and deeper than `enough` is not looked for any more.
+  Depth(const CompletedMesh& mesh, double reach, double enough) : mesh_(mesh), reach_(reach), enough_(enough) {}
 
-  /// The distance from p, a place in the box, to the nearest place outside the mesh; infinity when that is beyond
-  /// `reach`. Looks at the faces within reach only.
-  double at(Point2 p, double reach);
+  /// The largest distance of the corners and edges of a face in the box, or of a single place, from the nearest place
+  /// outside the mesh. Of an edge that comes close to the border at both ends: between these a part of the mesh may
+  /// stand in its way.
+  double of(std::span<const Point2> corners);
 
  private:
+  struct Near {
+    Index edge;
+    double distance;
+  };
+  struct Seen {
+    double depth = 0;
+    std::vector<Near> border;  // edges of the border that are not farther than `enough`
+  };
+  /// `way` from `from`: seen from there, places within rounding of each other are told apart.
+  Seen look(Point2 from, Point2 way);
+  double between(Point2 from, Point2 way, double start, const Seen& at_start, double stop, const Seen& at_stop);
+
   const CompletedMesh& mesh_;
+  double reach_, enough_;
   Index last_ = 0;
   std::vector<Index> near_;
 };

@@ -11,9 +11,8 @@ namespace {
 
 class Greedy {
  public:
-  Greedy(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
-         const std::function<double(Index, Point2)>& distance, double bound)
-      : editor_(editor), place_(place), distance_(distance), bound_(bound) {}
+  Greedy(MeshEditor& editor, const std::function<ExactPlace(Index)>& place, const Spill& spill, double bound)
+      : editor_(editor), place_(place), spill_(spill), bound_(bound) {}
 
   std::vector<Index> run(const std::vector<Index>& bad) {
     std::vector<bool> seen(editor_.mesh().faces.size());
@@ -53,14 +52,12 @@ class Greedy {
       if (!merge_equal(f) && !flip_middle(f)) return false;
       editor_.changed(before, todo);
     }
-    if (!distance_) return true;
+    if (!spill_) return true;
     std::vector<Index> changed;
     editor_.changed(mark, changed);
-    for (Index f : changed)
-      if (editor_.alive(f))
-        for (Index v : editor_.mesh().faces[f])
-          if (distance_(editor_.mesh().labels[f], editor_.mesh().points[v]) > bound_) return false;
-    return true;
+    return std::all_of(changed.begin(), changed.end(), [&](Index f) {
+      return !editor_.alive(f) || spill_(editor_.mesh().labels[f], editor_.corners(f)) <= bound_;
+    });
   }
 
   bool merge_equal(Index f) {
@@ -97,16 +94,15 @@ class Greedy {
 
   MeshEditor& editor_;
   const std::function<ExactPlace(Index)>& place_;
-  const std::function<double(Index, Point2)>& distance_;
+  const Spill& spill_;
   double bound_;
 };
 
 }  // namespace
 
 std::vector<Index> mend_greedily(MeshEditor& editor, const std::vector<Index>& bad,
-                                 const std::function<ExactPlace(Index)>& place,
-                                 const std::function<double(Index label, Point2)>& distance, double bound) {
-  return Greedy(editor, place, distance, bound).run(bad);
+                                 const std::function<ExactPlace(Index)>& place, const Spill& spill, double bound) {
+  return Greedy(editor, place, spill, bound).run(bad);
 }
 
 }  // namespace terrane

@@ -12,7 +12,6 @@ namespace terrane {
 /// opposite the middle vertex; taken back as a whole when the cluster does not come out valid with every corner within
 /// `bound` of what its face's label stands for. Returns the faces of the clusters it could not mend.
 std::vector<Index> mend_greedily(MeshEditor& editor, const std::vector<Index>& bad,
-                                 const std::function<ExactPlace(Index)>& place,
-                                 const std::function<double(Index label, Point2)>& distance, double bound);
+                                 const std::function<ExactPlace(Index)>& place, const Spill& spill, double bound);
 
 }  // namespace terrane

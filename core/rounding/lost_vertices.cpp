@@ -11,9 +11,8 @@ namespace {
 
 class Keeper {
  public:
-  Keeper(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
-         const std::function<double(Index label, Point2)>& distance, double bound)
-      : editor_(editor), place_(place), distance_(distance), bound_(bound) {}
+  Keeper(MeshEditor& editor, const std::function<ExactPlace(Index)>& place, const Spill& spill, double bound)
+      : editor_(editor), place_(place), spill_(spill), bound_(bound) {}
 
   /// The input vertices that have lost their labelled faces.
   std::vector<Index> without_faces() {
@@ -33,7 +32,7 @@ class Keeper {
   /// Whether v lies in what the label stands for, or no farther from it than one move. To be kept by others only would
   /// add more to the area, along the whole border, than moves may.
   bool at_home(Index v, Index label) {
-    return label != none && distance_(label, editor_.mesh().points[v]) <= bound_ / 3;
+    return label != none && spill_(label, {&editor_.mesh().points[v], 1}) <= bound_ / 3;
   }
   bool at_home(Index v) {
     editor_.star(v, star_);
@@ -47,7 +46,7 @@ class Keeper {
     for (const Index f : star_)
       for (const Index g : mesh.neighbours[f]) {
         const Index label = g == none ? none : mesh.labels[g];
-        if (!at_home(v, label) || !within_bound(label, mesh.faces[f])) continue;
+        if (!at_home(v, label) || !within_bound(f, label)) continue;
         editor_.relabel(f, label);
         return true;
       }
@@ -129,31 +128,28 @@ class Keeper {
     editor_.changed(mark, changed);
     for (Index f : changed)
       if (editor_.alive(f) && editor_.sign(f) <= 0) bad.push_back(f);
-    if (!mend_greedily(editor_, bad, place_, distance_, bound_).empty()) return false;
+    if (!mend_greedily(editor_, bad, place_, spill_, bound_).empty()) return false;
     changed.clear();
     editor_.changed(mark, changed);
     for (Index f : changed)
-      if (editor_.alive(f) && !within_bound(editor_.mesh().labels[f], editor_.mesh().faces[f])) return false;
+      if (editor_.alive(f) && !within_bound(f, editor_.mesh().labels[f])) return false;
     return true;
   }
 
-  bool within_bound(Index label, const Face& face) {
-    return std::all_of(face.begin(), face.end(),
-                       [&](Index v) { return distance_(label, editor_.mesh().points[v]) <= bound_; });
-  }
+  bool within_bound(Index f, Index label) const { return spill_(label, editor_.corners(f)) <= bound_; }
 
   MeshEditor& editor_;
   const std::function<ExactPlace(Index)>& place_;
-  const std::function<double(Index, Point2)>& distance_;
+  const Spill& spill_;
   double bound_;
   std::vector<Index> star_;
 };
 
 }  // namespace
 
-Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
-                          const std::function<double(Index label, Point2)>& distance, double bound) {
-  Keeper keeper(editor, place, distance, bound);
+Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place, const Spill& spill,
+                          double bound) {
+  Keeper keeper(editor, place, spill, bound);
   std::vector<Index> lost = keeper.without_faces();
   for (std::size_t before = lost.size() + 1; !lost.empty() && lost.size() < before;) {
     before = lost.size();

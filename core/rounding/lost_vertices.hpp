@@ -14,7 +14,7 @@ namespace terrane {
 /// the vertex goes to the region next to it, if that is within `bound` too: as the faces are, after an edge of the
 /// exterior is flipped, or after such merges. Returns how many could not be kept: those at the end of faces thinner
 /// than rounding.
-Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place,
-                          const std::function<double(Index label, Point2)>& distance, double bound);
+Index keep_input_vertices(MeshEditor& editor, const std::function<ExactPlace(Index)>& place, const Spill& spill,
+                          double bound);
 
 }  // namespace terrane

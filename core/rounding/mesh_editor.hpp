@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/rounding/rounding.hpp"
@@ -17,6 +18,10 @@ class MeshEditor {
   bool alive(Index f) const { return mesh_.faces[f][0] != none; }
   /// Of the area of face f, exactly.
   int sign(Index f) const;
+  std::array<Point2, 3> corners(Index f) const {
+    const Face& c = mesh_.faces[f];
+    return {mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]]};
+  }
   int corner_of(Index f, Index v) const { return mesh_.faces[f][0] == v ? 0 : mesh_.faces[f][1] == v ? 1 : 2; }
   /// The live faces around v.
   void star(Index v, std::vector<Index>& faces) const;

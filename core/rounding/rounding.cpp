@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/rounding/greedy.hpp"
@@ -22,8 +23,6 @@ std::vector<Index> bad_faces(const MeshEditor& editor) {
   return bad;
 }
 
-using Distance = std::function<double(Index, Point2)>;
-
 std::vector<Index> changed_faces(const MeshEditor& editor) {
   std::vector<Index> changed;
   editor.changed({}, changed);
@@ -31,13 +30,6 @@ std::vector<Index> changed_faces(const MeshEditor& editor) {
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
   std::erase_if(changed, [&](Index f) { return !editor.alive(f); });
   return changed;
-}
-
-/// The distance of a face's farthest corner from what a label stands for.
-double spill(const MeshEditor& editor, const Distance& distance, Index f, Index label) {
-  double largest = 0;
-  for (Index v : editor.mesh().faces[f]) largest = std::max(largest, distance(label, editor.mesh().points[v]));
-  return largest;
 }
 
 /// Adds the faces around those given.
@@ -54,16 +46,15 @@ void widen(const MeshEditor& editor, std::vector<Index>& faces) {
 
 /// Gives a face that is farther than the bound from what its label stands for the nearest label that the faces around
 /// it have, or had `before`: no face may have it any more. Returns the spill that is left.
-double call_label_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound,
-                       Index f) {
-  double here = spill(editor, distance, f, editor.mesh().labels[f]);
+double call_label_back(MeshEditor& editor, const Array<Index>& before, const Spill& spill, double bound, Index f) {
+  double here = spill(editor.mesh().labels[f], editor.corners(f));
   std::vector<Index> near{f};
   for (int ring = 0; here > bound && ring < 4; ++ring) {
     widen(editor, near);
     for (const Index g : near)
       for (const Index label : {editor.mesh().labels[g], before[g]}) {
         if (label == none) continue;
-        const double there = spill(editor, distance, f, label);
+        const double there = spill(label, editor.corners(f));
         if (there < here) here = there, editor.relabel(f, label);
       }
   }
@@ -73,32 +64,32 @@ double call_label_back(MeshEditor& editor, const Array<Index>& before, const Dis
 /// Part of what a label stands for may be the outside of an input, which has no corners to be far from: a flip may hand
 /// it to a face of any size that the border surrounds. So the middle of every face that changed says whether that is
 /// outside, and the face gets the label that is at home there where all of it is within the bound.
-void take_back_from_outside(MeshEditor& editor, const Distance& distance,
-                            const std::function<Index(Index, Point2)>& at_home, double bound) {
+void take_back_from_outside(MeshEditor& editor, const Spill& spill, const std::function<Index(Index, Point2)>& at_home,
+                            double bound) {
   const PlanarMesh& mesh = editor.mesh();
   for (const Index f : changed_faces(editor)) {
     const Face& c = mesh.faces[f];
     const Point2 p = mesh.points[c[0]], q = mesh.points[c[1]], r = mesh.points[c[2]];
     const Point2 middle{p.x + (q.x - p.x) / 3 + (r.x - p.x) / 3, p.y + (q.y - p.y) / 3 + (r.y - p.y) / 3};
     const Index label = at_home(mesh.labels[f], middle);
-    if (label != mesh.labels[f] && spill(editor, distance, f, label) <= bound) editor.relabel(f, label);
+    if (label != mesh.labels[f] && spill(label, editor.corners(f)) <= bound) editor.relabel(f, label);
   }
 }
 
 /// Flips an edge of f where the larger spill of the two faces beside it becomes less. Returns the other face, or none.
-Index flip_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound, Index f) {
+Index flip_back(MeshEditor& editor, const Array<Index>& before, const Spill& spill, double bound, Index f) {
   const PlanarMesh& mesh = editor.mesh();
   for (int k = 0; k < 3; ++k) {
     MeshEditor::Quad quad;
     if (!editor.quad(f, k, quad)) continue;
     if (mesh.labels[f] != none && mesh.labels[quad.g] == none) continue;  // nothing is given to the exterior
     const double now =
-        std::max(spill(editor, distance, f, mesh.labels[f]), spill(editor, distance, quad.g, mesh.labels[quad.g]));
+        std::max(spill(mesh.labels[f], editor.corners(f)), spill(mesh.labels[quad.g], editor.corners(quad.g)));
     const MeshEditor::Mark mark = editor.mark();
     editor.flip(f, k, quad);
     if (editor.sign(f) > 0 && editor.sign(quad.g) > 0 &&
-        std::max(call_label_back(editor, before, distance, bound, f),
-                 call_label_back(editor, before, distance, bound, quad.g)) < now)
+        std::max(call_label_back(editor, before, spill, bound, f),
+                 call_label_back(editor, before, spill, bound, quad.g)) < now)
       return quad.g;
     editor.undo(mark);
   }
@@ -107,16 +98,16 @@ Index flip_back(MeshEditor& editor, const Array<Index>& before, const Distance& 
 
 /// A row of flips hands a label on from face to face, too far at times, or leaves two fans between two rows of vertices
 /// where a zigzag would keep every face near its label. Returns the largest spill that is left.
-double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Distance& distance, double bound) {
+double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Spill& spill, double bound) {
   std::vector<Index> todo = changed_faces(editor);
   for (std::size_t i = 0; i < todo.size(); ++i) {
-    if (call_label_back(editor, before, distance, bound, todo[i]) <= bound) continue;
-    const Index g = flip_back(editor, before, distance, bound, todo[i]);
+    if (call_label_back(editor, before, spill, bound, todo[i]) <= bound) continue;
+    const Index g = flip_back(editor, before, spill, bound, todo[i]);
     if (g != none) todo.insert(todo.end(), {todo[i], g});
   }
   double largest = 0;
   for (const Index f : changed_faces(editor))
-    largest = std::max(largest, spill(editor, distance, f, editor.mesh().labels[f]));
+    largest = std::max(largest, spill(editor.mesh().labels[f], editor.corners(f)));
   return largest;
 }
 
@@ -124,16 +115,14 @@ double call_labels_back(MeshEditor& editor, const Array<Index>& before, const Di
 /// once where these clusters are no exception. Kinetic moves need the mesh as it was, since exact places are valid in
 /// that one only.
 KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::function<ExactPlace(Index)>& place,
-                  const std::function<double(Index, Point2)>& distance, double bound, const Array<Index>& before,
-                  Context& context) {
-  const std::vector<Index> hard = mend_greedily(editor, bad, place, distance, bound);
+                  const Spill& spill, double bound, const Array<Index>& before, Context& context) {
+  const std::vector<Index> hard = mend_greedily(editor, bad, place, spill, bound);
   if (hard.empty()) return {};
   editor.undo({});
   if (hard.size() > bad.size() / 4) return move_kinetically(editor, bad, place, context);
   const KineticMoves moves = move_kinetically(editor, hard, place, context);
-  mend_greedily(editor, bad_faces(editor), place, distance, bound);
-  if (bad_faces(editor).empty() && (!distance || call_labels_back(editor, before, distance, bound) <= bound))
-    return moves;
+  mend_greedily(editor, bad_faces(editor), place, spill, bound);
+  if (bad_faces(editor).empty() && (!spill || call_labels_back(editor, before, spill, bound) <= bound)) return moves;
   editor.undo({});
   // Rounded places that were moved stay moved, and other faces may be bad there.
   const KineticMoves all = move_kinetically(editor, bad_faces(editor), place, context);
@@ -141,6 +130,14 @@ KineticMoves mend(MeshEditor& editor, const std::vector<Index>& bad, const std::
 }
 
 }  // namespace
+
+Spill farthest_corner(std::function<double(Index, Point2)> distance) {
+  return [distance = std::move(distance)](Index label, std::span<const Point2> corners) {
+    double largest = 0;
+    for (const Point2 p : corners) largest = std::max(largest, distance(label, p));
+    return largest;
+  };
+}
 
 void connect(PlanarMesh& mesh) {
   std::vector<Index> start(mesh.points.size() + 2, 0);
@@ -172,8 +169,7 @@ void connect(PlanarMesh& mesh) {
 }
 
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
-                         const std::function<double(Index, Point2)>& distance,
-                         const std::function<Index(Index, Point2)>& at_home) {
+                         const Spill& spill, const std::function<Index(Index, Point2)>& at_home) {
   Rounded result;
   for (Index v = 0; v < static_cast<Index>(mesh.points.size()); ++v) {
     const ExactPlace exact = place(v);
@@ -188,7 +184,7 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
   const double bound = 3 * result.report.max_move;
   const std::vector<Index> bad = bad_faces(editor);
   if (!bad.empty()) {
-    const KineticMoves moves = mend(editor, bad, place, distance, bound, before, context);
+    const KineticMoves moves = mend(editor, bad, place, spill, bound, before, context);
     result.report.kinetic = moves.vertices;
     result.report.max_move += moves.shift;
     if (const std::vector<Index> left = bad_faces(editor); !left.empty()) {
@@ -201,13 +197,13 @@ Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)
               " faces cannot be kept positive; snap their vertices together or use coordinates nearer the origin");
     }
     const auto take_back = [&] {
-      if (at_home) take_back_from_outside(editor, distance, at_home, 3 * result.report.max_move);
+      if (at_home) take_back_from_outside(editor, spill, at_home, 3 * result.report.max_move);
     };
     take_back();
-    if (distance) result.report.lost = keep_input_vertices(editor, place, distance, bound);
+    if (spill) result.report.lost = keep_input_vertices(editor, place, spill, bound);
     take_back();  // vertices are kept with flips
   }
-  if (distance) result.report.max_spill = call_labels_back(editor, before, distance, 3 * result.report.max_move);
+  if (spill) result.report.max_spill = call_labels_back(editor, before, spill, 3 * result.report.max_move);
   result.relabelled = changed_faces(editor);
   result.report.merges = editor.merges();
   result.report.flips = editor.flips();

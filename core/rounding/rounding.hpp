@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/context.hpp"
@@ -22,6 +23,12 @@ struct PlanarMesh {
   Array<Index> labels;     // what a face belongs to, none: the exterior; a flip hands the neighbour's label to both
 };
 
+/// How far the farthest place of a face, given by its corners, or of a vertex alone lies from what a label stands for
+/// (none: the exterior).
+using Spill = std::function<double(Index label, std::span<const Point2> corners)>;
+/// Where labels stand for something convex: then no place of a face is farther from it than a corner.
+Spill farthest_corner(std::function<double(Index label, Point2)> distance);
+
 /// Fills `neighbours` from `faces`. Each directed edge may occur once.
 void connect(PlanarMesh& mesh);
 
@@ -36,14 +43,12 @@ struct Rounded {
   std::vector<Index> relabelled;
 };
 /// Promises: every live face is strictly positive by exact predicates on the returned doubles; input vertices are where
-/// they were; the order of the steps depends on the numbers of vertices and faces only. `distance(label, p)`, when
-/// given, says how far p lies from what the label stands for (none: the exterior): flips are accepted while it stays
-/// within 3 * the largest move, else the slower way is taken; the largest is report.max_spill. `at_home(label, p)`, when
-/// given, is the label, or, where it stands for the outside of an input that p lies inside, the one that stands for
-/// where p lies: with it no large face becomes part of the outside. Throws Error{input, "rounding"} naming the place
-/// when some face cannot be made positive.
+/// they were; the order of the steps depends on the numbers of vertices and faces only. Flips are accepted while
+/// `spill`, when given, stays within 3 * the largest move, else the slower way is taken; the largest is
+/// report.max_spill. `at_home(label, p)`, when given, is the label, or, where it stands for the outside of an input
+/// that p lies inside, the one that stands for where p lies: with it no large face becomes part of the outside. Throws
+/// Error{input, "rounding"} naming the place when some face cannot be made positive.
 Rounded round_and_verify(PlanarMesh& mesh, const std::function<ExactPlace(Index)>& place, Context& context,
-                         const std::function<double(Index label, Point2)>& distance = {},
-                         const std::function<Index(Index label, Point2)>& at_home = {});
+                         const Spill& spill = {}, const std::function<Index(Index label, Point2)>& at_home = {});
 
 }  // namespace terrane

@@ -258,7 +258,7 @@ Rounded round_cuts(PlanarMesh& mesh, Index first_made, const std::function<Exact
   };
   const auto from_label = [&](Index label, Point2 p) { return label == none ? 0.0 : distance(label, p); };
   if (may_pass_the_border(mesh, first_made)) add_exterior(mesh, exact);
-  Rounded rounded = round_and_verify(mesh, exact, context, from_label);
+  Rounded rounded = round_and_verify(mesh, exact, context, farthest_corner(from_label));
   drop_dead(mesh);
   mesh.points.resize(vertices);
   rounded.merged_into.resize(vertices);
