@@ -5,19 +5,8 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <cstdlib>
-#include <new>
 
 namespace terrane {
-
-void* large_pages(std::size_t bytes) {
-  void* place;
-  if (posix_memalign(&place, large_page, bytes) != 0) throw std::bad_alloc();
-#ifdef MADV_HUGEPAGE
-  madvise(place, bytes / large_page * large_page, MADV_HUGEPAGE);  // the rest costs nothing where no one writes
-#endif
-  return place;
-}
 
 void populate(void* begin, void* end) {
 #ifdef MADV_POPULATE_WRITE
