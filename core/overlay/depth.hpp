@@ -15,9 +15,9 @@ class Depth {
   /// Deeper than `reach` is infinitely deep, and deeper than `enough` is not looked for any more.
   Depth(const CompletedMesh& mesh, double reach, double enough) : mesh_(mesh), reach_(reach), enough_(enough) {}
 
-  /// The largest distance of the corners and edges of a face in the box, or of a single place, from the nearest place
-  /// outside the mesh. Of an edge that comes close to the border at both ends: between these a part of the mesh may
-  /// stand in its way.
+  /// The largest distance of a place of a face in the box, or of a single place, from the nearest place outside the
+  /// mesh: of its corners, and of edges that come close to the border at both ends, for a part of the mesh may stand
+  /// between these.
   double of(std::span<const Point2> corners);
 
  private:

@@ -9,8 +9,8 @@
 namespace terrane {
 
 /// The first, fast step of mending: per cluster of bad faces merges vertices with equal doubles and flips the edge
-/// opposite the middle vertex; taken back as a whole when the cluster does not come out valid with every corner within
-/// `bound` of what its face's label stands for. Returns the faces of the clusters it could not mend.
+/// opposite the middle vertex; taken back as a whole when the cluster does not come out valid with every face within
+/// `bound` of what its label stands for. Returns the faces of the clusters it could not mend.
 std::vector<Index> mend_greedily(MeshEditor& editor, const std::vector<Index>& bad,
                                  const std::function<ExactPlace(Index)>& place, const Spill& spill, double bound);
 
