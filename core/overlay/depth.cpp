@@ -30,10 +30,17 @@ double Depth::of(std::span<const Point2> corners) {
 
 Depth::Seen Depth::look(Point2 from, Point2 way) {
   Seen seen;
-  last_ = face_at(mesh_, locate(mesh_, {from.x + way.x, from.y + way.y}, last_));
+  const Location where = locate(mesh_, {from.x + way.x, from.y + way.y}, last_);
+  last_ = face_at(mesh_, where);
+  if (where.kind == Location::place && where.index >= mesh_.real_places()) return seen;  // a corner of the box
   const bool inside = mesh_.real(last_);
   double least = std::numeric_limits<double>::infinity();
-  near_.assign(1, last_);
+  near_.clear();
+  const auto visit = [&](Index face) {
+    if (!visited_[face]) near_.push_back(face);
+    visited_[face] = true;
+  };
+  visit(last_);
   for (std::size_t i = 0; i < near_.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const Index h = 4 * near_[i] + k, twin = mesh_.twin(h);
@@ -44,8 +51,9 @@ Depth::Seen Depth::look(Point2 from, Point2 way) {
       const bool border = mesh_.real(near_[i]) != mesh_.real(beyond);
       if (border) least = std::min(least, distance);
       if (border && distance <= enough_) seen.border.push_back({mesh_.edge_of(h), distance});
-      if (std::find(near_.begin(), near_.end(), beyond) == near_.end()) near_.push_back(beyond);
+      visit(beyond);
     }
+  for (const Index face : near_) visited_[face] = false;
   if (inside) seen.depth = least;
   return seen;
 }

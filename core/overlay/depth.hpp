@@ -13,7 +13,8 @@ namespace terrane {
 class Depth {
  public:
   /// Deeper than `reach` is infinitely deep, and deeper than `enough` is not looked for any more.
-  Depth(const CompletedMesh& mesh, double reach, double enough) : mesh_(mesh), reach_(reach), enough_(enough) {}
+  Depth(const CompletedMesh& mesh, double reach, double enough)
+      : mesh_(mesh), reach_(reach), enough_(enough), visited_(mesh.faces()) {}
 
   /// The largest distance of a place of a face in the box, or of a single place, from the nearest place outside the
   /// mesh: of its corners, and of edges that come close to the border at both ends, for a part of the mesh may stand
@@ -36,7 +37,8 @@ class Depth {
   const CompletedMesh& mesh_;
   double reach_, enough_;
   Index last_ = 0;
-  std::vector<Index> near_;
+  std::vector<Index> near_;    // the faces within reach of the last place
+  std::vector<bool> visited_;  // per face, while they are gathered
 };
 
 }  // namespace terrane
