@@ -37,7 +37,7 @@ std::optional<std::string> unpacked(const std::string& coding, std::string_view 
 
 std::string long_text() {
   std::string text;
-  for (int i = 0; i < 60000; ++i) text += std::to_string(i * i % 1009) + " ";
+  for (long i = 0; i < 60000; ++i) text += std::to_string(i * i % 1009) + " ";
   return text + std::string(1 << 20, ' ');
 }
 
