@@ -16,23 +16,23 @@ Point2 times(Point2 p, double t) { return {p.x * t, p.y * t}; }
 
 double Depth::of(std::span<const Point2> corners) {
   double deepest = 0;
-  std::vector<Seen> seen;
+  std::vector<const Seen*> seen;
   for (const Point2 p : corners) {
-    seen.push_back(look(p, {0, 0}));
-    deepest = std::max(deepest, seen.back().depth);
+    const auto [known, is_new] = seen_.try_emplace({p.x, p.y});
+    if (is_new) known->second = look(p, {0, 0});
+    seen.push_back(&known->second);
+    deepest = std::max(deepest, seen.back()->depth);
   }
   for (std::size_t k = 0; corners.size() > 1 && deepest <= enough_ && k < corners.size(); ++k) {
     const std::size_t l = (k + 1) % corners.size();
-    deepest = std::max(deepest, between(corners[k], minus(corners[l], corners[k]), 0, seen[k], 1, seen[l]));
+    deepest = std::max(deepest, between(corners[k], minus(corners[l], corners[k]), 0, *seen[k], 1, *seen[l]));
   }
   return deepest;
 }
 
 Depth::Seen Depth::look(Point2 from, Point2 way) {
   Seen seen;
-  const Location where = locate(mesh_, {from.x + way.x, from.y + way.y}, last_);
-  last_ = face_at(mesh_, where);
-  if (where.kind == Location::place && where.index >= mesh_.real_places()) return seen;  // a corner of the box
+  last_ = face_at(mesh_, locate(mesh_, {from.x + way.x, from.y + way.y}, last_));
   const bool inside = mesh_.real(last_);
   double least = std::numeric_limits<double>::infinity();
   near_.clear();

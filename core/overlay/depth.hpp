@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/overlay/completed.hpp"
@@ -36,6 +38,8 @@ class Depth {
 
   const CompletedMesh& mesh_;
   double reach_, enough_;
+  /// Of places asked for before: a far one that many faces have in common would be walked to from each, and back.
+  std::map<std::pair<double, double>, Seen> seen_;
   Index last_ = 0;
   std::vector<Index> near_;    // the faces within reach of the last place
   std::vector<bool> visited_;  // per face, while they are gathered
