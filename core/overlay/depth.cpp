@@ -50,7 +50,7 @@ Depth::Seen Depth::look(Point2 from, Point2 way) {
       const Index beyond = twin >> 2;
       const bool border = mesh_.real(near_[i]) != mesh_.real(beyond);
       if (border) least = std::min(least, distance);
-      if (border && distance <= enough_) seen.border.push_back({mesh_.edge_of(h), distance});
+      if (border && distance <= enough_) seen.border.push_back(mesh_.edge_of(h));
       visit(beyond);
     }
   for (const Index face : near_) visited_[face] = false;
@@ -60,11 +60,10 @@ Depth::Seen Depth::look(Point2 from, Point2 way) {
 
 /// What is close to one edge is convex: two places close to it do for all between them. Else both halves are looked at.
 double Depth::between(Point2 from, Point2 way, double start, const Seen& at_start, double stop, const Seen& at_stop) {
-  constexpr double short_of = 1e-12;
-  for (const Near& e : at_start.border)
-    for (const Near& f : at_stop.border)
-      if (e.edge == f.edge) return 0;
-  if (at_start.border.empty() || at_stop.border.empty() || stop - start < short_of) return 0;
+  constexpr double too_short = 1e-12;
+  for (const Index edge : at_start.border)
+    if (std::find(at_stop.border.begin(), at_stop.border.end(), edge) != at_stop.border.end()) return 0;
+  if (at_start.border.empty() || at_stop.border.empty() || stop - start < too_short) return 0;
   const double middle = start + (stop - start) / 2;
   const Seen seen = look(from, times(way, middle));
   if (seen.depth > enough_) return seen.depth;

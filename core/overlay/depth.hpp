@@ -24,16 +24,13 @@ class Depth {
   double of(std::span<const Point2> corners);
 
  private:
-  struct Near {
-    Index edge;
-    double distance;
-  };
   struct Seen {
     double depth = 0;
-    std::vector<Near> border;  // edges of the border that are not farther than `enough`
+    std::vector<Index> border;  // edges of the border that are not farther than `enough`
   };
   /// `way` from `from`: seen from there, places within rounding of each other are told apart.
   Seen look(Point2 from, Point2 way);
+  /// The depth of what lies between two fractions of the way, as far as it has to be looked at.
   double between(Point2 from, Point2 way, double start, const Seen& at_start, double stop, const Seen& at_stop);
 
   const CompletedMesh& mesh_;

@@ -11,7 +11,15 @@ namespace {
 
 using namespace support;
 
-TEST(mending, a_vertex_an_ulp_outside_the_other_border_is_kept_with_its_tip) {
+/// How many vertices of the inputs the result does not have.
+Index missing(const Tin& a, const Tin& b, const Overlay& o) {
+  Index count = 0;
+  for (const Tin* tin : {&a, &b})
+    for (const Point& p : tin->vertices) count += !has(o, plan(p));
+  return count;
+}
+
+TEST(lost_vertices, a_vertex_an_ulp_outside_the_other_border_is_kept_with_its_tip) {
   const Point tip{666.66666666666663, 333.33333333333331, -46};
   const Tin a = triangle_of(tip, {833.33333333333337, 833.33333333333337, 999}, {666.66666666666663, 500, 0});
   const Tin b = triangle_of({500, 500, 7}, {1000, 0, 7}, {1000, 500, 7});
@@ -22,19 +30,16 @@ TEST(mending, a_vertex_an_ulp_outside_the_other_border_is_kept_with_its_tip) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_whose_tip_no_double_can_hold_is_reported) {
+TEST(lost_vertices, a_vertex_whose_tip_no_double_can_hold_is_reported) {
   const Tin a = triangle_of({500866.02681963524, 4500594.8277261825, 480}, {500971.37122925604, 4500622.119633792, 259},
                             {500885.29810000717, 4500599.8204013361, 564});
   const Tin b = triangle_of({500866.0268196353, 4500594.8277261835, 480}, {500971.3712292561, 4500622.119633792, 259},
                             {500885.29810000712, 4500599.8204013351, 564});
   const Overlay o = overlaid(a, b);
-  Index missing = 0;
-  for (const Tin* tin : {&a, &b})
-    for (const Point& p : tin->vertices) missing += !has(o, plan(p));
-  EXPECT_EQ(o.rounding.lost, missing);
+  EXPECT_EQ(o.rounding.lost, missing(a, b, o));
 }
 
-TEST(mending, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_its_tip) {
+TEST(lost_vertices, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_its_tip) {
   const Tin a = canonical(Tin{{{499999.99999999994, 4499999.9999999981, -1},
                                {500000, 4500000, 2},
                                {500002.33333333326, 4500003.9999999991, 6},
@@ -47,7 +52,7 @@ TEST(mending, a_vertex_is_kept_with_a_crossing_of_the_exterior_between_it_and_it
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_that_another_an_ulp_away_takes_the_place_of_is_kept) {
+TEST(lost_vertices, a_vertex_that_another_an_ulp_away_takes_the_place_of_is_kept) {
   const Tin a = canonical(Tin{{{499999.99999999988, 4500000, -1},
                                {500000, 4500000, -3},
                                {506875, 4509375, 2},
@@ -65,7 +70,7 @@ TEST(mending, a_vertex_that_another_an_ulp_away_takes_the_place_of_is_kept) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_that_another_costs_its_last_face_is_reported) {
+TEST(lost_vertices, a_vertex_that_another_costs_its_last_face_is_reported) {
   const Tin a = canonical(Tin{{{500003, 4499999.9999999991, 1},
                                {500002.99999999994, 4500004, 4},
                                {500001, 4500005, 1},
@@ -82,14 +87,11 @@ TEST(mending, a_vertex_that_another_costs_its_last_face_is_reported) {
                                {500014.99999999994, 4500003.0000000009, 1}},
                               {{0, 4, 1}, {2, 4, 3}}});
   const Overlay o = overlaid(a, b, -1);
-  Index missing = 0;
-  for (const Tin* tin : {&a, &b})
-    for (const Point& p : tin->vertices) missing += !has(o, plan(p));
-  EXPECT_GT(missing, 0);
-  EXPECT_EQ(o.rounding.lost, missing);
+  EXPECT_GT(missing(a, b, o), 0);
+  EXPECT_EQ(o.rounding.lost, missing(a, b, o));
 }
 
-TEST(mending, a_vertex_that_one_edge_of_the_outside_cuts_off_is_kept) {
+TEST(lost_vertices, a_vertex_that_one_edge_of_the_outside_cuts_off_is_kept) {
   const Tin a = canonical(Tin{{{500000, 4500000, 3},
                                {500000.00000000006, 4499999.9999999981, 2},
                                {499999.99999999994, 4500000.0000000019, 6},
@@ -111,7 +113,7 @@ TEST(mending, a_vertex_that_one_edge_of_the_outside_cuts_off_is_kept) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_between_an_ulp_and_the_outside_is_kept) {
+TEST(lost_vertices, a_vertex_between_an_ulp_and_the_outside_is_kept) {
   const Tin a = canonical(Tin{{{500000, 4500000, 3},
                                {500000.00000000012, 4500000, 5},
                                {500000.66666666669, 4500002.333333333, -2},
@@ -130,7 +132,7 @@ TEST(mending, a_vertex_between_an_ulp_and_the_outside_is_kept) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_with_a_tip_of_half_an_ulp_beside_it_is_kept) {
+TEST(lost_vertices, a_vertex_with_a_tip_of_half_an_ulp_beside_it_is_kept) {
   const Tin a = canonical(Tin{{{500000, 4500000, 3},
                                {500000.00000000012, 4500000, 5},
                                {500002, 4500007, -2},
@@ -149,7 +151,7 @@ TEST(mending, a_vertex_with_a_tip_of_half_an_ulp_beside_it_is_kept) {
   EXPECT_EQ(broken_promises(a, b, {.snap = 0}, overlaid(a, b)), "");
 }
 
-TEST(mending, a_vertex_is_kept_with_three_crossings_of_the_exterior_between_it_and_its_tip) {
+TEST(lost_vertices, a_vertex_is_kept_with_three_crossings_of_the_exterior_between_it_and_its_tip) {
   const Tin a = canonical(Tin{
       {{500000.00000000012, 4500000, 5},
        {500006.00000000006, 4500011.0000000009, -3},
